@@ -115,6 +115,24 @@ def toleranced(model: Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def test_what_keeps_constraints_as_drawn_is_not_called_infeasible(model: Model) -> None:
+    """Though errors within the tolerances break them, which only some searches have come to see."""
+    stated = {**TOLERANCED, "budget": 6}
+    found = choices(model, VARIED, AIM, CHOICES, **stated)
+    assert any(each.violation > 0.0 for each in found.tried)
+    for each in found.tried:
+        broken = any(kept.excess > 0.0 for kept in each.study.best.kept)
+        assert each.standing == (2 if broken else int(not each.robust))
+    assert [each.standing for each in found.tried] == sorted(each.standing for each in found.tried)
+    found.close()
+
+
+def test_a_field_has_choices_or_bounds(model: Model) -> None:
+    both = {"bodies.exosuit.section.wall": ["1.5 mm", "2 mm"]}
+    with pytest.raises(InputError, match=r'"bodies\.exosuit\.section\.wall" has bounds'):
+        choices(model, VARIED, AIM, both)
+
+
 def test_finished_choices_evaluate_nothing_when_they_are_resumed(toleranced: Path) -> None:
     before = everything(toleranced)
     for _ in range(2):

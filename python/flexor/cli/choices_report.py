@@ -18,6 +18,8 @@ from flexor.study.optimum import optimum_files
 if TYPE_CHECKING:
     from flexor.study import Choices
 
+_MARKS = ("", " (not robust)", " (not feasible)")
+
 
 def carry_out(
     work: Callable[..., Choices],
@@ -72,9 +74,7 @@ def _print(found: Choices, seconds: float, resumed: bool) -> None:
     for each in found.tried:
         shown = "fails"
         if each.value < float("inf"):
-            mark = " (not feasible)" if each.violation else " (not robust)"
-            held = each.violation == 0.0 and each.robust is not False
-            shown = number(each.study.best.shown) + ("" if held else mark)
+            shown = number(each.study.best.shown) + _MARKS[each.standing]
         rows.append((each.name, f"{each.study.evaluations:,}", str(each.rounds), shown))
     unit = f" / {problem.unit}" if problem.unit else ""
     show(("combination", "designs", "rounds", f"{problem.quantity}{unit}"), rows)

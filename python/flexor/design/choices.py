@@ -92,6 +92,20 @@ def combinations(
     return tuple(Combination(row, _model(row, model, source)) for row in rows)
 
 
+def check_chosen(
+    choices: Mapping[str, Sequence[object]],
+    bounds: Mapping[str, object],
+    model: Model,
+    source: str = "choices",
+) -> None:
+    """Raise InputError if a field has both choices and bounds."""
+    document = model.file.to_document()
+    for field in choices:
+        keys = path_of(document, field, source)
+        if any(_path_or_none(document, each) == keys for each in bounds):
+            raise InputError(f'{source}: "{field}" has bounds too: give it either of them.')
+
+
 def without_fields(
     given: Mapping[str, Any], combination: Mapping[str, object], model: Model
 ) -> dict[str, Any]:
@@ -116,11 +130,15 @@ def _gone(values: Mapping[str, object]) -> Iterator[str]:
 
 
 def _is_in(document: Mapping[str, Any], field: str, gone: Sequence[list[str]]) -> bool:
+    keys = _path_or_none(document, field)
+    return keys is not None and any(keys[: len(each)] == each for each in gone)
+
+
+def _path_or_none(document: Mapping[str, Any], field: str) -> list[str] | None:
     try:
-        keys = path_of(document, field, field)
+        return path_of(document, field, field)
     except InputError:  # of other fields it is said where they are used
-        return False
-    return any(keys[: len(each)] == each for each in gone)
+        return None
 
 
 def _model(values: Mapping[str, object], model: Model, source: str) -> Model:

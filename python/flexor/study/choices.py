@@ -6,6 +6,7 @@ import json
 import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import inf, isfinite
 from os import PathLike
 from pathlib import Path
@@ -15,7 +16,7 @@ import numpy as np
 
 from flexor.arguments import integer
 from flexor.design import ParameterSet, variables
-from flexor.design.choices import Combination, combinations, without_fields
+from flexor.design.choices import Combination, check_chosen, combinations, without_fields
 from flexor.errors import InputError
 from flexor.model.loading import require_model
 from flexor.optimizers import Search
@@ -62,10 +63,22 @@ class Tried:
         """Name of the combination."""
         return self.combination.name
 
+    @cached_property
+    def standing(self) -> int:
+        """0 if its best design is feasible and robust, 1 if it is so only as drawn, else 2.
+
+        The violation counts the errors within the tolerances that are known so far, and not every
+        search has come to look for them.
+        """
+        if self.violation == 0.0:
+            return int(self.robust is False)
+        kept = self.robust is not None and isfinite(self.value)
+        return 1 if kept and all(each.state != "BROKEN" for each in self.study.best.kept) else 2
+
     @property
-    def rank(self) -> tuple[float, bool, float]:
+    def rank(self) -> tuple[int, float, float]:
         """By which combinations are ordered: feasible ones first, of these robust ones."""
-        return self.violation, self.robust is False, self.value
+        return self.standing, self.violation if self.standing == 2 else 0.0, self.value
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +165,8 @@ def choices(
         As `flexor.optimize`, if no combination can be searched, and `flexor.design.combinations`.
     """
     model = require_model(model)
+    if isinstance(parameters, Mapping):
+        check_chosen(given, parameters, model)
     every = combinations(given, model)
     total = integer("budget", BUDGET if budget is None else budget, 1)
     rounds = (len(every) - 1).bit_length() + 1
@@ -225,7 +240,7 @@ def choices(
         left.sort(key=lambda i: tried[i].rank)
         left = left[: (len(left) + 1) // 2]
     # What left early was worse with the same number of designs.
-    order = sorted(tried, key=lambda index: (-tried[index].rounds, tried[index].rank))
+    order = sorted(tried, key=lambda i: (tried[i].standing, -tried[i].rounds, tried[i].rank))
     ordered = tuple(tried[index] for index in order)
     reasons = {every[index].name: why for index, why in failed.items()}
     found = Choices(ordered, rounds, None if kept is not None else place, evaluated, reasons, kept)
