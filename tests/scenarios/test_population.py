@@ -11,7 +11,7 @@ import flexor
 from flexor.errors import InputError
 from flexor.model import Model
 from flexor.model.reading import check
-from flexor.scenarios import wearer, wearers
+from flexor.scenarios import scenarios, wearer, wearers
 from flexor.scenarios.population import SURVEYS
 from flexor.study import Problem, ScenarioProblem, Study, Uncertainty
 
@@ -74,6 +74,29 @@ def test_a_design_for_a_wearer_is_that_of_a_file_with_the_wearer_s_finger(model:
     found = [each.shown[0] for each in problem.by_case(design[None], none)]
     assert found[0] == pytest.approx(expected, rel=1e-9)
     assert problem.evaluate(design[None]).shown[0] == pytest.approx(np.mean(found), rel=1e-12)
+
+
+def test_a_wearer_by_percentile_is_one_of_its_measures(model: Model) -> None:
+    """Of normal hands; 95 % is 1.645 standard deviations above the mean."""
+    small, large = scenarios("5%,95%=2", model)
+    hands = SURVEYS["ansur2-men"]
+    length, breadth = (
+        mean + 1.6448536 * deviation
+        for mean, deviation in (
+            (hands.length, hands.length_deviation),
+            (hands.breadth, hands.breadth_deviation),
+        )
+    )
+    expected = wearer(model, length, breadth, name="wearer of 95%")
+    assert (small.weight, large.weight) == (1.0, 2.0)
+    assert large.name == expected.name == "wearer of 95% (hand 210 x 96 mm, stiffness x 1)"
+    own, there = large.model(model).parameters, expected.model(model).parameters
+    np.testing.assert_allclose(own, there, rtol=1e-8)
+    ratio = small.model(model).file.bodies["ph_1"].length / model.file.bodies["ph_1"].length
+    assert ratio == pytest.approx((2.0 * hands.length - length) / hands.length, rel=1e-8)
+    for text in ("0%", "100%", "many%"):
+        with pytest.raises(InputError, match='a percentile between 0 and 100, such as "95%"'):
+            scenarios(text, model)
 
 
 def test_a_search_over_many_wearers_begins_with_the_model_as_it_is(

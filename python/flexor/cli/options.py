@@ -109,7 +109,8 @@ Scenarios = Annotated[
     typer.Option(
         metavar="NAMES",
         help="Variants of the file under which each design is evaluated, such as "
-        "`healthy,stiff=0.5` with other weights than those of the file, or `all`.",
+        "`healthy,stiff=0.5` with other weights than those of the file, `all`, or wearers by "
+        "the percentile of their hand, `5%,95%`.",
     ),
 ]
 Aggregate = Annotated[

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -95,6 +96,26 @@ def wearer(
         What the scenario is called, before its measures.
     """
     return _Followers.of(model).scenario(length, breadth, stiffness, name)
+
+
+def of_percentile(model: Model, percent: float, stiffness: float = 1.0) -> Scenario:
+    """Return a wearer whose hand is as long and as broad as that of a percentile of the survey.
+
+    Parameters
+    ----------
+    model
+        The model, with a ``[population]``.
+    percent
+        Between 0 and 100: the share of hands that are shorter, and of those that are narrower.
+    stiffness
+        Of the joints, in multiples of that in the file.
+    """
+    follow, stated = _Followers.of(model), model.file.population
+    assert stated is not None
+    hands, off = SURVEYS[stated.hands], NormalDist().inv_cdf(percent / 100.0)
+    length = hands.length + off * hands.length_deviation
+    breadth = hands.breadth + off * hands.breadth_deviation
+    return follow.scenario(length, breadth, stiffness, f"wearer of {percent:g}%")
 
 
 def _fields(paths: Sequence[str], model: Model) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from flexor.errors import InputError, unknown_name
@@ -66,15 +66,17 @@ def scenarios(given: Given, model: Model) -> tuple[Scenario, ...]:
     ----------
     given
         Names of variants of the model's file, ``"NAME=WEIGHT"`` in place of a name for another
-        weight than that of the file, or a table of weights by name; ``"all"`` variants; or ready
-        scenarios. A text lists names with commas.
+        weight than that of the file, or a table of weights by name; ``"all"`` variants; wearers by
+        the percentile of their hand, such as ``"5%"``; or ready scenarios. A text lists names with
+        commas.
     model
         The model.
 
     Raises
     ------
     InputError
-        If there is no such variant, a scenario is named twice, or a weight is not above 0.
+        If there is no such variant, no population for percentiles or one is not between 0 and 100,
+        a scenario is named twice, or a weight is not above 0.
     """
     if not given:
         return ()
@@ -103,6 +105,8 @@ def _pair(text: str) -> tuple[str, float | str | None]:
 def _named(
     name: str, weight: float | str | None, known: Mapping[str, float], model: Model
 ) -> list[Scenario]:
+    if name.endswith("%") and name not in known:
+        return [_of_percentile(name, weight, model)]
     if name == ALL and ALL not in known:
         if not known:
             raise InputError(f'scenarios "all": the model "{model.name}" has no variants.')
@@ -118,6 +122,22 @@ def _named(
         number = known[each] if weight is None else _number(each, weight)
         made.append(Scenario(each, number, changes_of(model.file.variants[each])))
     return made
+
+
+def _of_percentile(name: str, weight: float | str | None, model: Model) -> Scenario:
+    from flexor.scenarios.population import of_percentile
+
+    try:
+        percent = float(name[:-1])
+    except ValueError:
+        percent = math.nan
+    if not 0.0 < percent < 100.0:
+        raise InputError(
+            f'scenario "{name}": write a percentile between 0 and 100, such as "95%", or the name '
+            "of a variant."
+        )
+    made = of_percentile(model, percent)
+    return made if weight is None else replace(made, weight=_number(name, weight))
 
 
 def _number(name: str, weight: object) -> float:
