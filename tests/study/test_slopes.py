@@ -101,6 +101,20 @@ def _device() -> Model:
     return Model(parse(text + DEVICE, changes=COARSE))
 
 
+def test_derivatives_do_not_depend_on_the_batch() -> None:
+    """They are the same bits alone and with others, or a repeated study could differ."""
+    model = flexor.load("pneumatic-finger", changes=COARSE)
+    varied = {name: FIELDS[name] for name in ("exosuit.length", "exosuit.section.wall")}
+    problem = Problem.of(model, varied, "minimise mass", subject_to=_bounded(model))
+    chosen = problem.parameters
+    x = chosen.lower + np.random.default_rng(2).random((8, 2)) * (chosen.upper - chosen.lower)
+    batch = problem.evaluate(x, gradient=True)
+    for row in range(len(x)):
+        alone = problem.evaluate(x[[row]], gradient=True)
+        for name in ("value_gradient", "constraint_gradients", "derivatives"):
+            assert getattr(alone, name)[0].tobytes() == getattr(batch, name)[row].tobytes()
+
+
 def test_gradients_of_a_device_that_presses_on_an_obstacle() -> None:
     model = _device()
     fields = {

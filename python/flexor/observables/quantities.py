@@ -127,11 +127,7 @@ def mass(paths: Paths) -> Array:
     total = np.zeros(len(paths))
     for rod in paths.model.rods:
         length, density, _ = _density(paths, rod)
-        whole = np.zeros(len(paths))
-        # Added point by point: a matrix product may round differently with the size of the batch.
-        for point, share in enumerate(paths.model.file.rod(rod).gauss_rule[1]):
-            whole += density[:, point] * share
-        total += length * whole
+        total += length * _integral(density, paths.model.file.rod(rod).gauss_rule[1])
     return np.broadcast_to(total[:, None], paths.joint_angles.shape[:2]).copy()
 
 
@@ -143,12 +139,23 @@ def mass_slopes(paths: Paths) -> Array:
         rod = model.file.rod(name)
         points, shares = rod.gauss_rule
         length, density, (slope, powers, columns) = _density(paths, name)
-        found[:, model.engine.slots[f"{name}.length"][0]] += density @ shares
+        found[:, model.engine.slots[f"{name}.length"][0]] += _integral(density, shares)
         start = model.engine.slots[f"{name}.radius"][0]
         found[:, start + points] += length[:, None] * slope * shares
         for g, share in enumerate(shares):
             found[:, columns[g]] += (length * share)[:, None] * powers[:, g]
     return found
+
+
+def _integral(density: Array, shares: Array) -> Array:
+    """Add mass per length (n, G) point by point, (n,).
+
+    A matrix product may round differently with the size of the batch.
+    """
+    whole = np.zeros(len(density))
+    for point, share in enumerate(shares):
+        whole += density[:, point] * share
+    return whole
 
 
 def _density(

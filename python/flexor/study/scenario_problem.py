@@ -325,8 +325,9 @@ class ScenarioProblem(Problem):
     def _shown(self, values: FloatArray, shown: FloatArray, broken: FloatArray) -> FloatArray:
         """Aggregate what is shown like the values."""
         if self.aggregate.kind == "served":
-            share = self.weights / self.weights.sum()
-            return np.asarray(100.0 * (self.aggregate.shortfalls(values, broken) <= 0.0) @ share)
+            share = 100.0 * self.weights / self.weights.sum()
+            served = self.aggregate.shortfalls(values, broken) <= 0.0
+            return np.array([share[row].sum() for row in served])
         shares = self.aggregate.shares(values, self.weights)
         total = np.zeros(len(values))
         for i in range(values.shape[1]):
