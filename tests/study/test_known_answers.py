@@ -10,6 +10,7 @@ from flexor.errors import InputError
 from flexor.model import Model, parse
 from flexor.observables import observables
 from flexor.study import Problem
+from flexor.study.sentences import cautions
 
 BEAM = """
 name = "beam"
@@ -203,6 +204,18 @@ def test_the_distance_to_the_next_snap_is_that_of_the_truss() -> None:
     beyond = model.equilibrium([0.0, 0.2, 0.4])
     assert [event.kind for event in beyond.events] == ["snap"]
     np.testing.assert_array_equal(observables(model)["snap-margin"].values(beyond.as_batch), 1.0)
+    np.testing.assert_array_equal(observables(model)["snaps"].values(beyond.as_batch), 1.0)
+
+
+def test_buckling_is_no_snap() -> None:
+    """A column leaves its straight branch continuously; which way is chance, and that is said."""
+    column = flexor.load("column")
+    varied = {"column.length": ("15 cm", "17 cm")}
+    study = flexor.optimize(column, varied, "minimise energy", subject_to=["snaps <= 0"], budget=1)
+    assert [event.kind for event in study.best.path.events] == ["bifurcation"]
+    assert study.best.feasible
+    assert (study.best.verdict.snaps, study.best.verdict.bifurcations) == (0, 1)
+    assert "FRAGILE: the design is reached through a bifurcation." in cautions(study.best)
 
 
 def test_the_stiffness_of_a_cantilever_at_its_tip() -> None:

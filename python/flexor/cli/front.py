@@ -82,7 +82,7 @@ def _print_point(headings: tuple[str, ...], shown: list[float], design: Design) 
     show(("", "value"), [(name.replace(" / ", ", "), value) for name, value in rows])
     if design.problem.constraints:
         print_constraints(design.kept)
-    say(f"bending {math.degrees(design.bending):.1f}°, {design.events} snaps along the path")
+    say(f"bending {math.degrees(design.bending):.1f}°, {design.events} events along the path")
 
 
 def _as_json(point: dict[str, Any], design: Design) -> dict[str, Any]:

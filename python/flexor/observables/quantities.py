@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from flexor._engine import EVENTS
 from flexor.arrays import Array
 from flexor.materials.laws import fibre_energy
 from flexor.model.results import Paths
@@ -27,9 +28,10 @@ def is_angular(model: Structure) -> NDArray[np.bool_]:
 
 
 def snaps(paths: Paths) -> Array:
-    """Return the number of snaps along the whole path."""
-    counts = paths.event_count.astype(float)[:, None]
-    return np.broadcast_to(counts, paths.joint_angles.shape[:2]).copy()
+    """Return the number of snaps along the whole path, without bifurcations."""
+    kind = EVENTS.index("snap")
+    counts = np.array([float((events["kind"] == kind).sum()) for events in paths.event_table])
+    return np.broadcast_to(counts[:, None], paths.joint_angles.shape[:2]).copy()
 
 
 def strain_use(paths: Paths) -> Array:

@@ -30,7 +30,7 @@ class Design:
     joint_angles: FloatArray  # (steps, j), along the path [rad]
     tip_force: FloatArray  # (steps,), along the path [N]
     touching: FloatArray  # (steps,), spheres of the exosuit in contact
-    events: int  # snaps along the path
+    events: int  # snaps and bifurcations along the path
     iterations: int  # Newton iterations along the path
     constraint_values: FloatArray  # (c,), worst along the path, SI
     violation: float  # how far constraints are exceeded; 0 if all are kept

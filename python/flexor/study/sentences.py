@@ -115,9 +115,10 @@ def _fragilities(design: Design) -> Iterator[str]:
         else:
             much = f"{100.0 * each.change:.0f} %"
             yield f"FRAGILE: 1 % of {each.name} moves {quantity} by {much}."
-    if found.snaps:
-        snaps = "a snap" if found.snaps == 1 else f"{found.snaps} snaps"
-        yield f"FRAGILE: the design is reached through {snaps}."
+    for kind, count in (("snap", found.snaps), ("bifurcation", found.bifurcations)):
+        if count:
+            several = f"a {kind}" if count == 1 else f"{count} {kind}s"
+            yield f"FRAGILE: the design is reached through {several}."
     if found.snap_margin is not None and math.isfinite(found.snap_margin):
         beyond = found.snap_margin < REACH - 1.0
         where = f"{found.snap_margin:.0%} beyond" if beyond else f"none up to {REACH:g} times"

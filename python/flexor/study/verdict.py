@@ -101,6 +101,7 @@ class Verdict:
     shown: float  # the quantity of the objective for the model as it is
     finer: float | None  # the same with twice the elements; None where that is not known
     snaps: int  # along the path
+    bifurcations: int  # likewise
     # How far beyond the last load the next one is, as a share of it; see
     # `flexor.observables.snap_margin`. None for the model without loads.
     snap_margin: float | None
@@ -156,6 +157,7 @@ class Verdict:
         unmoved = ineffective(problem, np.stack([x, chosen.start]), candidates)
         progress("warnings of the model")
         path = design.model.equilibrium(problem.loads_of(x), **dict[str, Any](problem.options))
+        kinds = [event.kind for event in path.events]
         return cls(
             constraints=constraints,
             bounds=tuple(binding(problem, x)),
@@ -168,7 +170,8 @@ class Verdict:
             fragile=sensitive,
             shown=float(off.shown[0]),
             finer=finer,
-            snaps=design.events,
+            snaps=kinds.count("snap"),
+            bifurcations=kinds.count("bifurcation"),
             snap_margin=_snap_margin(design),
             warnings=tuple(path.warnings),
             ineffective=unmoved,
