@@ -38,6 +38,27 @@ at = "tip"
 moment = { y = "10 N*mm" }
 """
 
+ROUND = """
+name = "beam"
+planar = true
+
+[bodies.beam]
+kind = "rod"
+length = "20 cm"
+radius = "8 mm"
+young_modulus = "2 MPa"
+poisson_ratio = 0.5
+density = "1100 kg/m^3"
+strain = { bend_y = "nodal_linear" }
+elements = 2
+gauss_points = 2
+
+[wrenches.turn]
+body = "beam"
+at = "tip"
+moment = { y = "10 N*mm" }
+"""
+
 BENDER = """
 name = "bender"
 planar = true
@@ -241,3 +262,20 @@ def test_the_efficiency_is_the_energy_of_the_springs_by_the_work_of_the_pressure
     found = observables(model)["efficiency"].values(few)[0]
     assert np.isnan(found[0])
     assert found[-1] == pytest.approx(stored / work, rel=1e-4)
+
+
+def test_a_radius_that_bears_errors_of_itself_and_of_other_fields() -> None:
+    """Of a round beam: M L / (E π r⁴/4) with the longest, softest and thinnest is the bound."""
+    model = Model(parse(ROUND))
+    study = flexor.optimize(
+        model,
+        {"beam.radius": ("4 mm", "12 mm")},
+        "minimise mass",
+        subject_to=["rod-bending <= 20 deg"],
+        without=["defaults"],
+        tolerance={"beam.radius": "0.1 mm", "beam.length": "1 mm", "beam.young_modulus": "50 kPa"},
+    )
+    bend = np.radians(20.0)
+    radius = (4.0 * 0.01 * 0.201 / (np.pi * 1.95e6 * bend)) ** 0.25 + 1e-4
+    assert study.best.verdict.robust
+    assert study.best.vector[0] == pytest.approx(radius, rel=1e-6)

@@ -56,6 +56,12 @@ class SharedVariables(Variables):
         """Fields of the model file that the designs change."""
         return self._inner.labels
 
+    @property
+    def whole(self) -> tuple[tuple[str, ...], ...]:
+        """The fields of each variable."""
+        rows = list(zip(self.fields, self.of.tolist(), strict=True))
+        return tuple(tuple(each for each, k in rows if k == i) for i in range(self.size))
+
     def field_values(self, p: Array) -> Array:
         """Return the values of these of n designs (n, k), (n, m), SI."""
         return self._designs(p)[:, self.of] * self.ratio
@@ -94,6 +100,16 @@ class SharedVariables(Variables):
     def changes(self, p: Array) -> dict[str, object]:
         """Return one design (k,) as changes of the model file, for `flexor.load`."""
         return self._inner.changes(self.field_values(p)[0])
+
+    def extended(self, more: Variables) -> SharedVariables:
+        """Return the set with more fields at its end, each of which is a variable."""
+        count = np.arange(self.size, self.size + more.size, dtype=np.intp)
+        return replace(
+            super().extended(more),
+            inner=self._inner.extended(more),
+            of=np.concatenate([self.of, count]),
+            ratio=np.concatenate([self.ratio, np.ones(more.size)]),
+        )
 
     @property
     def _by_variables(self) -> Array:

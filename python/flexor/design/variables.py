@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
@@ -27,6 +27,8 @@ from flexor.model.quantity import Unit, infer_quantity
 from flexor.model.units import Quantity
 
 if TYPE_CHECKING:
+    from typing_extensions import Self
+
     from flexor.model import Model
     from flexor.model.schema import ModelFile
     from flexor.model.structure import Structure
@@ -89,6 +91,18 @@ class Variables(ParameterSet):
     def field_values(self, p: Array) -> Array:
         """Return the values of these of n designs (n, k), (n, m), SI."""
         return self._designs(p)
+
+    def extended(self, more: Variables) -> Self:
+        """Return the set with more fields, which are no loads, at its end."""
+        return replace(
+            self,
+            labels=(*self.labels, *more.labels),
+            units=(*self.units, *more.units),
+            lower=np.concatenate([self.lower, more.lower]),
+            upper=np.concatenate([self.upper, more.upper]),
+            start=np.concatenate([self.start, more.start]),
+            kinds=(*self.kinds, *more.kinds),
+        )
 
     def on(self, rod: DesignSpace) -> Variables:
         """Return the same set, as fields belong to no exosuit."""

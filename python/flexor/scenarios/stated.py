@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from flexor.design import ParameterSet, Variables
+from flexor.design import MappedVariables, ParameterSet, Variables
 from flexor.design.fields import keys_of, value_of
+from flexor.design.stated_variables import SharedVariables
 from flexor.errors import InputError
 from flexor.model.quantity import infer_quantity
 from flexor.model.schema.profile import Spline
@@ -106,16 +107,25 @@ def _place(
     name: str, chosen: ParameterSet, model: Structure, source: str
 ) -> tuple[tuple[str, ...], str]:
     """Return what identifies a field, and its label."""
-    if not isinstance(chosen, Variables) or chosen.fields != chosen.labels:
-        if name not in chosen.labels:
-            raise InputError(
-                f'{source}: "{name}" is none of the variables, which have the errors where one of '
-                f"them is several fields or a function: these are {', '.join(chosen.labels)}."
-            )
+    if name in chosen.labels and (
+        not isinstance(chosen, Variables) or chosen.fields != chosen.labels
+    ):
         return (name,), name
+    if not isinstance(chosen, Variables) or isinstance(chosen, MappedVariables):
+        raise InputError(
+            f'{source}: "{name}" is none of the variables, which have the errors where they are '
+            f"no fields: these are {', '.join(chosen.labels)}."
+        )
     keys = keys_of(name, model.file)
-    for label in chosen.labels:
-        if keys_of(label, model.file) == keys:
+    whole: list[tuple[str, ...]] = [(label,) for label in chosen.labels]
+    if isinstance(chosen, SharedVariables):
+        whole = list(chosen.whole)
+    for label, fields in zip(chosen.labels, whole, strict=True):
+        if any(keys_of(field, model.file) == keys for field in fields):
+            if len(fields) > 1:
+                raise InputError(
+                    f'{source}: "{name}" is a part of the variable "{label}", which has the error.'
+                )
             return keys, label
     return keys, name
 

@@ -399,15 +399,16 @@ class ScenarioProblem(Problem):
         reach = {each.field: each.reach for each in self.tolerances}
         size = np.array([reach[each] for each in names])
         kinds = [_kind(each, self.model) for each in names]
-        return replace(
-            chosen,
-            labels=(*chosen.labels, *names),
-            units=(*chosen.units, *(kind.text or "1" for kind in kinds)),
-            lower=np.concatenate([chosen.lower, self._values.min(axis=0) - size]),
-            upper=np.concatenate([chosen.upper, self._values.max(axis=0) + size]),
-            start=np.concatenate([chosen.start, self._values[0]]),
-            kinds=(*chosen.kinds, *kinds),
+        more = Variables(
+            name=chosen.name,
+            labels=names,
+            units=tuple(kind.text or "1" for kind in kinds),
+            lower=self._values.min(axis=0) - size,
+            upper=self._values.max(axis=0) + size,
+            start=self._values[0],
+            kinds=tuple(kinds),
         )
+        return chosen.extended(more)
 
     @cached_property
     def models(self) -> tuple[Model, ...]:
