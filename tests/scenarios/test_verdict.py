@@ -94,6 +94,11 @@ def test_what_is_fragile_is_so_in_models_of_their_own() -> None:
     value = problem.evaluate(np.array([[0.1]])).shown[0]
     named = {each.name for each in fragile(problem, np.array([0.1]))}
     assert "the load chamber" in named
+    of_set = Problem.of(model, "L", "maximise bending", force=loads)
+    found = {each.name for each in fragile(of_set, np.array([0.1]))}
+    ends = {"exosuit.length", "exosuit.radius.base", "exosuit.radius.tip"}
+    assert found - {"L"} == named - ends
+    assert ("L" in found) == ("exosuit.length" in named)
 
     def moved(changed: Model) -> bool:
         shown = np.degrees(changed.equilibrium(loads).joint_angles[-1].sum())

@@ -16,6 +16,7 @@ from flexor.errors import InputError
 from flexor.model.geometry import SlotValues
 from flexor.model.quantity import infer_quantity
 from flexor.objectives import evaluate_objective
+from flexor.study.designed_model import designed_model
 from flexor.study.problem import FloatArray, Problem
 
 if TYPE_CHECKING:
@@ -43,36 +44,43 @@ def fragile(problem: Problem, x: FloatArray) -> tuple[Fragile, ...]:
     """Find what moves the objective of a design (k,) by more than a tenth if it is off by 1 %.
 
     Every number of the model's file, and every load, is changed both ways; of parameter sets that
-    are no fields of the file, these parameters and every load.
+    are no fields of the file, their parameters in place of the length and the radius of the rod.
     """
-    model, names, rows, fixed = _neighbours(problem, x)
-    here = model.parameters if rows is None else rows[0]
+    chosen = problem.parameters
+    model, left = designed_model(problem, x), set[Keys]()
+    if not isinstance(chosen, Variables):
+        design = model.file.design
+        assert design is not None
+        assert design.rod is not None
+        left = {("bodies", design.rod, key) for key in ("length", "radius")}
+    names, rows, fixed = _neighbours(model, left)
+    here = model.parameters
     loads, options = problem.loads, dict[str, Any](problem.options)
-    own = problem.parameters.own_loads(x[None, :], loads, model)
+    own = chosen.own_loads(x[None, :], loads, model)
     loads = loads if own is None else own[0]
 
     def shown(paths: Any) -> FloatArray:
         return evaluate_objective(problem.objective, paths).shown
 
-    if rows is None:
-        around = SHARE * np.diag(np.abs(x))
-        off = problem.evaluate(np.concatenate([x[None, :], x + around, x - around])).shown
-        design, _ = problem.parameters.designs(x[None, :], model)
-    else:
-        every = np.arange(here.size, dtype=np.intp)
-        # Of a change of 1 % the other way the parameters are those of a straight line.
-        both = np.concatenate([rows, 2.0 * here - rows[1:]])
-        off = shown(model.evaluate(SlotValues(every, both), loads, **options))
-        design = SlotValues(every, here[None, :])
+    every = np.arange(here.size, dtype=np.intp)
+    # Of a change of 1 % the other way the parameters are those of a straight line.
+    both = np.concatenate([rows, 2.0 * here - rows[1:]])
+    off = shown(model.evaluate(SlotValues(every, both), loads, **options))
+    design_values = SlotValues(every, here[None, :])
     value, count = off[0], len(names)
     changes = dict(zip(names, np.abs(off[1:].reshape(2, count) - value).max(axis=0), strict=True))
+    if not isinstance(chosen, Variables):
+        around = SHARE * np.diag(np.abs(x))
+        of_set = problem.evaluate(np.concatenate([x[None, :], x + around, x - around])).shown
+        most = np.abs(of_set[1:].reshape(2, chosen.size) - of_set[0]).max(axis=0)
+        changes |= dict(zip(chosen.labels, most, strict=True))
     for i, name in enumerate(model.inputs):
         if loads[:, i].any():
             ends = []
             for factor in (1.0 + SHARE, 1.0 - SHARE):
                 scaled = loads.copy()
                 scaled[:, i] *= factor
-                ends.append(shown(model.evaluate(design, scaled, **options))[0])
+                ends.append(shown(model.evaluate(design_values, scaled, **options))[0])
             changes[f"the load {name}"] = np.abs(np.array(ends) - value).max()
     for name, (keys, number) in fixed.items():
         off_by = [_with(model, keys, number * (1.0 + sign * SHARE)) for sign in (1.0, -1.0)]
@@ -87,22 +95,18 @@ def fragile(problem: Problem, x: FloatArray) -> tuple[Fragile, ...]:
 
 
 def _neighbours(
-    problem: Problem, x: FloatArray
-) -> tuple[Model, list[str], FloatArray | None, dict[str, tuple[Keys, float]]]:
-    """Return the model of a design, names of numbers, and the engine's parameters if each is more.
+    model: Model, left: set[Keys]
+) -> tuple[list[str], FloatArray, dict[str, tuple[Keys, float]]]:
+    """Return names of numbers, and the engine's parameters if each is more, those of all before.
 
-    The first row is that of the design itself. None for parameter sets that are no fields. Numbers
-    that are no parameters of the engine, such as limits of joints, come last, with their keys.
+    Numbers that are no parameters of the engine, such as limits of joints, come last, with their
+    keys. What is ``left`` out is given by the first three keys.
     """
-    from flexor.model import load
-
-    chosen = problem.parameters
     fixed: dict[str, tuple[Keys, float]] = {}
-    if not isinstance(chosen, Variables):
-        return problem.model, list(chosen.labels), None, fixed
-    model = load(problem.model.file, changes=chosen.changes(x))
     names, rows, changes = [], [model.parameters], ChangesByPart(model)
     for keys, value in numbers(model):
+        if keys[:3] in left:
+            continue
         # The table need not be said where the name of the entry says which.
         name = ".".join(keys[1:] if len(keys) > 2 else keys)
         changed = changes.parameters_with(keys, value * (1.0 + SHARE))
@@ -111,7 +115,7 @@ def _neighbours(
         elif not np.array_equal(changed, model.parameters):
             names.append(name)
             rows.append(changed)
-    return model, names, np.stack(rows), fixed
+    return names, np.stack(rows), fixed
 
 
 def _with(model: Model, keys: Keys, value: float) -> Model | None:
