@@ -280,6 +280,11 @@ def test_scenarios_and_tolerances_are_stated_and_answered(flexor, tmp_path) -> N
     assert "exosuit.section.wall ± 0.1 mm" in signs and "+" in signs
     assert "bending of the model as it is" in ran.out
     assert "checking the best design" in ran.err
+    # As drawn, which is not for every error.
+    words = ("optimize", "pneumatic-finger", *vary, "--budget", "4", "--json")
+    found = json.loads(flexor(*words).out)
+    assert (found["feasible"], found["robust"]) == (True, False)
+    assert all(each["kept"] for each in found["constraints"])
 
 
 @pytest.mark.parametrize(

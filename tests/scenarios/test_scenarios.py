@@ -172,6 +172,10 @@ def test_a_budget_leaves_a_share_for_the_robust_design(model: Model, tmp_path: P
         ),
         ({"samples": 4, "scenarios": "long"}, "samples of errors need a tolerance"),
         (
+            {"tolerance": TOLERANCE, "scenarios": "all", "aggregate": "served 10 deg"},
+            'aggregate "served 10 deg" counts errors within the tolerances as samples',
+        ),
+        (
             {"scenarios": [Scenario("flat", 1.0, {"bodies": {"ph_1": {"length": "0 cm"}}})]},
             'scenario "flat": bodies.ph_1.length is "0 cm": it must be greater than zero',
         ),

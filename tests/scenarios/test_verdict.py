@@ -11,6 +11,7 @@ from flexor.scenarios import Tolerance
 from flexor.study import Problem, ScenarioProblem, Study, Uncertainty
 from flexor.study.fragility import FRAGILE, fragile
 from flexor.study.margins import worst_errors
+from flexor.study.sentences import headline
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +83,27 @@ def test_an_optimum_without_a_margin_is_not_robust() -> None:
         model.file, changes={"exosuit.section.wall": f"{float(free.best.vector[0]) - 1e-4!r} m"}
     )
     assert found.values[-1] == pytest.approx(thin.equilibrium().max_overlap.max(), rel=1e-9)
+
+
+def test_who_is_not_served_makes_no_design_infeasible() -> None:
+    """Errors within the tolerances count as samples: there are no rounds for them."""
+    study = flexor.optimize(
+        "pneumatic-finger",
+        {"exosuit.length": ("9 cm", "10 cm")},
+        "maximise range-of-motion",
+        subject_to=["overlap <= 1.2 mm"],
+        tolerance={"exosuit.section.wall": "0.1 mm"},
+        samples=1,
+        wearers=2,
+        aggregate="served 30 deg",
+        budget=4,
+    )
+    assert not any("round" in each.search for each in study.records)
+    found = study.best.verdict
+    (overlap,) = (each for each in found.constraints if each.name == "overlap")
+    assert overlap.state == "not in all" and overlap.number > 1.2e-3
+    assert found.feasible and found.robust
+    assert headline(found).startswith("Constraints have to hold for those who are served")
 
 
 def test_what_is_fragile_is_so_in_models_of_their_own() -> None:

@@ -103,6 +103,8 @@ def uncertainty(
     tolerance: Sequence[str] | None,
     samples: int | None,
     wearers: int | None,
+    *,
+    for_sizes: bool = False,
 ) -> dict[str, Any]:
     """Return scenarios and tolerances as `flexor.optimize` takes them.
 
@@ -115,11 +117,17 @@ def uncertainty(
     if problem.varied is not None and len(problem.aims) == 1 and needs_model(problem.aim):
         there = model.file.design or there
     given = assignments("--tolerance", list(tolerance or []), "exosuit.section.wall=0.1 mm")
+    how, count = aggregate or there.aggregate, there.samples if samples is None else samples
+    stated = given or there.tolerance
+    if how.strip().startswith("served") and not given and not count:
+        if not for_sizes:
+            say_unapplied(model, "the share that is served without --samples")
+        stated = {}
     return {
         "scenarios": scenarios or there.scenarios,
-        "aggregate": aggregate or there.aggregate,
-        "tolerance": given or there.tolerance,
-        "samples": there.samples if samples is None else samples,
+        "aggregate": how,
+        "tolerance": stated,
+        "samples": count,
         "wearers": wearers or 0,
     }
 

@@ -165,7 +165,9 @@ def optimize(
                     f"{'--tolerance' if tolerance else '--samples'}."
                 )
             say_unapplied(loaded, "sizes")
-            over = uncertainty(loaded, problem, scenarios, aggregate, None, None, wearers)
+            over = uncertainty(
+                loaded, problem, scenarios, aggregate, None, None, wearers, for_sizes=True
+            )
             found = partial(
                 studies.sizes,
                 loaded,

@@ -185,7 +185,8 @@ def as_json(study: Study, best: Design, seconds: float) -> dict[str, Any]:
             for name, design in (("start", study.start), ("best", best))
         },
         "sensitivity": _sensitivity(best.sensitivity),
-        "feasible": best.feasible,
+        "feasible": best.verdict.feasible,  # as drawn
+        "robust": best.verdict.robust if best.verdict.within else None,
         "constraints": verdict.constraints_as_json(best),
         "within_tolerances": verdict.within_as_json(best),
         "warnings": verdict.warnings_of(best),

@@ -91,16 +91,13 @@ def warnings_of(design: Design) -> list[str]:
 
 
 def constraints_as_json(design: Design) -> list[dict[str, Any]]:
-    """Return the constraints of a design: worst values along the path, SI."""
-    problem = design.problem
-    values = problem.worst_of(design.constraint_values)
-    excess = problem.worst_excesses(design.constraint_values)
+    """Return the constraints of a design as drawn: worst values along the path, SI."""
     return [
         {
-            "constraint": each.text(problem.model),
+            "constraint": each.text,
             "default": each.default or None,
-            "value": float(value) if math.isfinite(value) else None,
-            "kept": bool(over <= 0.0),
+            "value": each.number if math.isfinite(each.number) else None,
+            "kept": each.excess <= 0.0,
         }
-        for each, value, over in zip(problem.constraints, values, excess, strict=True)
+        for each in design.kept
     ]

@@ -71,7 +71,12 @@ def run_rounds(
         rounds.begin(search, start, "the model as it is")
         several = _several(study)
         start, search = several if len(several) else problem.parameters.start[None, :], near
-    toleranced = isinstance(problem, ScenarioProblem) and bool(problem.tolerances)
+    # A share that is served counts errors as samples.
+    toleranced = (
+        isinstance(problem, ScenarioProblem)
+        and bool(problem.tolerances)
+        and problem.aggregate.everywhere
+    )
     _note(study, corners)
     rounds.begin(search, start, "without errors" if toleranced else "", whole=not toleranced)
     while toleranced and (best := rounds.best) is not None:

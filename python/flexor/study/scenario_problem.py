@@ -114,6 +114,11 @@ class ScenarioProblem(Problem):
             samples=stated.samples,
             seed=seed,
         )
+        if not wanted.everywhere and made.tolerances and not stated.samples:
+            raise InputError(
+                f'aggregate "{wanted.text}" counts errors within the tolerances as samples: state '
+                "a number of these, or leave the tolerances out."
+            )
         if stated.samples and not made.tolerances:
             raise InputError("samples of errors need a tolerance: state one or leave them out.")
         if wanted.kind != "mean" and len(made.weights) == 1:

@@ -25,6 +25,10 @@ def headline(found: Verdict) -> str:
     if not found.feasible:
         broken = [each.text for each in found.constraints if each.state == "BROKEN"]
         return f"NOT FEASIBLE: no design that was tried keeps {' and '.join(broken)}."
+    if any(each.excess > 0.0 for each in found.constraints):
+        return (
+            "Constraints have to hold for those who are served: what is worst below is that of all."
+        )
     if not found.robust:
         return (
             "NOT ROBUST: the best design found keeps all constraints as drawn, but not for every "

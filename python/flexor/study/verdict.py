@@ -52,11 +52,14 @@ class Kept:
     place: str  # where, and at which load
     excess: float  # in units of the bound; kept where not above 0
     default: str  # what it is called among the defaults; empty if it was asked for
+    number: float  # the value, SI
+    demanded: bool = True  # in every scenario; else who is served has it kept
 
     @property
     def state(self) -> str:
-        """``"kept"``, ``"active"`` or ``"BROKEN"``."""
-        return "BROKEN" if self.excess > 0.0 else "active" if self.excess > -_ACTIVE else "kept"
+        """``"kept"``, ``"active"``, or ``"BROKEN"``; ``"not in all"`` where it need not be."""
+        beyond = "BROKEN" if self.demanded else "not in all"
+        return beyond if self.excess > 0.0 else "active" if self.excess > -_ACTIVE else "kept"
 
 
 @dataclass(frozen=True)
@@ -217,6 +220,8 @@ def kept(design: Design) -> Iterator[Kept]:
             where,
             float(excess[worst, i]),
             each.default,
+            float(values[worst, i]),
+            not isinstance(problem, ScenarioProblem) or problem.aggregate.everywhere,
         )
 
 
@@ -231,6 +236,8 @@ def _path(design: Design, scenario: int) -> Path:
 def _within(problem: Problem, x: FloatArray) -> tuple[Within, ...]:
     """Return the worst case of each constraint and of the objective within the tolerances."""
     if not isinstance(problem, ScenarioProblem) or not problem.tolerances:
+        return ()
+    if not problem.aggregate.everywhere:
         return ()
     found, rows = worst_errors(problem, x), []
     for i, each in enumerate(problem.constraints):
