@@ -209,6 +209,8 @@ def test_bad_functions(model: Model) -> None:
 
     with pytest.raises(InputError, match=r'"exosuit.length" depends on no parameter'):
         made(lambda p: 0.1)
+    with pytest.raises(InputError, match="returned complex numbers"):
+        made(lambda p: p[0] + 1j)
     with pytest.raises(InputError, match="must return a number"):
         made(lambda p: p * np.ones(3))
     with pytest.raises(InputError, match="is a load, which has no function"):

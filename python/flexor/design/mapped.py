@@ -210,6 +210,8 @@ class _Checked:
     def __call__(self, design: Array) -> Array:
         at = self.points
         found = self.function(design.copy()) if at is None else self.function(design.copy(), at)
+        if np.iscomplexobj(found):
+            raise InputError(f'the function of "{self.label}" returned complex numbers.')
         values = np.atleast_1d(np.asarray(found, dtype=np.float64))
         expected = (1,) if at is None else at.shape
         if values.shape != expected:

@@ -157,6 +157,11 @@ def variables(
     >>> varied.start
     array([0.1])
     """
+    for label, ends in bounds.items():
+        if not isinstance(label, str) or not isinstance(ends, Sequence | np.ndarray):
+            raise InputError(
+                f"{source}: {label} = {ends!r}: expected a field, and its lower and upper bound."
+            )
     fields = {
         label: fields_of(label, model.file, source) if len(ends) < 3 else (label,)
         for label, ends in bounds.items()
