@@ -10,6 +10,7 @@ import pytest
 from flexor.errors import InputError
 from flexor.inverse import reach, targets
 from flexor.model import Model, load, parse
+from flexor.observables import observables
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 PROXIMAL, DISTAL = 0.04, 0.03  # N·m/rad
@@ -114,6 +115,19 @@ def test_a_value_between_the_ends_of_a_snap_is_not_reached() -> None:
     assert str(between).startswith(
         "NOT REACHED: angle.node = -20 mm. The branch ends in a snap at 0.30"
     )
+
+
+def test_values_that_change_late_or_come_back_are_reached() -> None:
+    """A strap that is slack at first, and an efficiency, which has no value without pressure."""
+    model = load("pneumatic-finger")
+    for name, value in (("strap-force.middle", 0.01), ("efficiency", 0.05)):
+        found = reach(model, {name: value if name == "efficiency" else f"{value} N"})
+        assert found.reached and 0.0 < found.loads["chamber"] < 60e3
+        again = model.equilibrium([0.0, found.loads["chamber"]])
+        values = observables(model)[name].values(again.as_batch)
+        assert values[0, -1] == pytest.approx(value, rel=1e-6)
+    slack = reach(model, "strap-force.middle = 0.1 N", "0:8:4 kPa")
+    assert not slack.reached and "chamber at 8 kPa" in slack.reason
 
 
 def test_a_value_beyond_a_snap_is_reached() -> None:

@@ -23,6 +23,8 @@ TOLERANCE = 1e-8
 # Where a search that fails from the last loads begins again, on the way to each limit: the branch
 # ends between them.
 _RESTARTS = (0.0, 0.25, 0.5, 0.75, 1.0)
+# Loads on the way to a limit at which targets are looked for, and places there to begin from.
+_SAMPLES, _CROSSINGS = 32, 3
 
 
 @dataclass(frozen=True)
@@ -156,8 +158,10 @@ class _Search:
         self.failed = ""
         if not path.converged[0, -1]:
             self.failed = f"the first load has no equilibrium ({path.status[0, -1]})"
-        self.initial = self.values(path)
         self.goal = np.array([each.value for each in self.targets])
+        initial = self.values(path)
+        # What has no value at first, such as an efficiency, is not approached in steps.
+        self.initial = np.where(np.isnan(initial), self.goal, initial)
         units = np.array([each.observable.unit[0] for each in self.targets])
         # A target that holds already is kept to within its unit for display.
         change = np.abs(self.goal - self.initial)
@@ -195,9 +199,37 @@ class _Search:
                 at_limit = (self.free & (load == limit)).any()
                 if at_limit and not self.follow(load).event_count.any():
                     break
+        for guess in self._crossings(goal) if whole else ():
+            load = self._solve(goal, guess)
+            if self._error(load, goal) <= TOLERANCE:
+                self.found.append(load)
+                return ""
         if whole:
+            # Where nothing changes with the loads, as below what first bends, the last is named.
+            if self._error(self.upper, goal) <= best_error:
+                best = self.upper
             self.found.append(best)
         return self._reason(best)
+
+    def _crossings(self, goal: Array) -> list[Array]:
+        """Return loads on the way to each limit where a target is passed, or is nearest.
+
+        An observable may not change with the loads at first, or pass its target and come back.
+        """
+        found, last = [], self.found[-1]
+        for limit in (self.upper, self.lower):
+            way = last + np.linspace(0.0, 1.0, _SAMPLES + 1)[1:, None] * (limit - last)
+            loads = np.stack([*self.found, *way])
+            design = self.model.own_design
+            path = self.model.evaluate(design, loads, 1, start=self.start, **self.options)  # type: ignore[arg-type]
+            table = [each.observable.values(path)[0, -_SAMPLES:] for each in self.targets]
+            off = (np.stack(table, axis=1) - goal) / self.scale
+            there = np.isfinite(off).all(axis=1) & path.converged[0, -_SAMPLES:]
+            error = np.where(there, np.abs(off).max(axis=1), np.inf)
+            passed = there[1:] & there[:-1] & (off[1:] * off[:-1] <= 0.0).any(axis=1)
+            rows = [*(np.flatnonzero(passed) + 1), int(error.argmin())]
+            found += [way[row] for row in rows[:_CROSSINGS]]
+        return found
 
     def _solve(self, goal: Array, guess: Array) -> Array:
         span = (self.upper - self.lower)[self.free]
