@@ -11,6 +11,8 @@
 //! tangent bordered by the gradients; it is regular at limit points, where the tangent is not.
 
 use super::bordered_matrix::BorderedMatrix;
+use super::options::MixedOptions;
+use super::point_motion::PointMotion;
 use super::system::System;
 use super::vector::{dot, max_norm};
 use crate::lie::LieGroup;
@@ -151,17 +153,59 @@ impl Bordered {
         false
     }
 
+    /// Newton's method with the forces of stiff terms as unknowns too, as in [`super::mixed_newton`], from forces that
+    /// are kept; whether it came so close that the method for the energy can take over.
+    pub(super) fn approach<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        borders: &[Border],
+        motion: &mut PointMotion<D, P>,
+        options: MixedOptions,
+    ) -> bool {
+        for _ in 0..options.max_iterations {
+            if !self.evaluate_by(system, borders, |system| system.evaluate_two_sided()).is_finite() {
+                return false;
+            }
+            system.evaluate_tangent_with_kept_forces();
+            self.assemble(system, borders);
+            if !self.solve_for_step() {
+                return false;
+            }
+            system.complete_columns();
+            motion.update(system, &self.step[..self.dof]);
+            system.keep_forces(&motion.velocities());
+            if !self.take_step(system, borders).is_finite() {
+                return false;
+            }
+            if self.evaluate(system, borders) <= options.residual {
+                return true;
+            }
+        }
+        false
+    }
+
     /// Makes a step with the current factors; returns its length, which is not finite where they are singular.
     fn advance<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
         borders: &[Border],
     ) -> f64 {
+        if self.solve_for_step() { self.take_step(system, borders) } else { f64::INFINITY }
+    }
+
+    /// Finds the step to the zero of the linearised equations; `false` where the factors are singular.
+    fn solve_for_step(&mut self) -> bool {
         self.step.iter_mut().zip(&self.residual).for_each(|(s, r)| *s = -r);
         self.pinned.iter().for_each(|c| self.step[*c] = 0.0);
-        if !self.matrix.solve(&mut self.step) {
-            return f64::INFINITY;
-        }
+        self.matrix.solve(&mut self.step)
+    }
+
+    /// Makes the step found; returns its length.
+    fn take_step<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        borders: &[Border],
+    ) -> f64 {
         let (state, multipliers) = self.step.split_at(self.dof);
         system.advance(state);
         let energy = system.unit_energy();
@@ -205,6 +249,15 @@ impl Bordered {
         system: &mut System<G, D, P>,
         borders: &[Border],
     ) -> f64 {
+        self.evaluate_by(system, borders, |system| system.evaluate())
+    }
+
+    fn evaluate_by<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        borders: &[Border],
+        evaluate: impl FnOnce(&mut System<G, D, P>) -> f64,
+    ) -> f64 {
         let n = self.dof;
         self.load.copy_from_slice(&self.base);
         for (border, mu) in borders.iter().zip(&self.multipliers) {
@@ -213,7 +266,7 @@ impl Bordered {
             }
         }
         system.set_load(&self.load);
-        let size = system.evaluate();
+        let size = evaluate(system);
         if !size.is_finite() {
             return f64::NAN;
         }
@@ -242,8 +295,17 @@ impl Bordered {
         system: &mut System<G, D, P>,
         borders: &[Border],
     ) {
-        let n = self.dof;
         system.evaluate_tangent();
+        self.assemble(system, borders);
+    }
+
+    /// Assembles and factorises the bordered matrix from the tangent at hand.
+    fn assemble<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        borders: &[Border],
+    ) {
+        let n = self.dof;
         system.complete_tangent();
         let (energy, units, tangent) = (system.unit_energy(), system.units(), system.data().tangent());
         if let Some(projected) = system.projected_matrix() {

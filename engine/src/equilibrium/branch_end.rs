@@ -7,10 +7,13 @@
 
 use super::bordered::{Border, Bordered, BorderedTarget, Hyperplane, Multiplier, Prescribed};
 use super::continuation::Continuation;
-use super::options::LocateOptions;
+use super::jump::NEGLIGIBLE_PROGRESS;
+use super::options::{LocateOptions, MixedOptions};
+use super::point_motion::PointMotion;
 use super::system::System;
 use super::vector::norm;
 use crate::lie::LieGroup;
+use crate::linalg::Vector;
 use crate::tolerances::ZERO_EIGENVALUE;
 
 /// The branch ahead of an equilibrium.
@@ -25,6 +28,9 @@ pub(super) enum BranchAhead {
     /// No state of the branch was found.
     Unknown,
 }
+
+/// Part of the distance between two states within which a corner is close to the first.
+const CLOSE: f64 = 1e-2;
 
 /// A state of the branch.
 #[derive(Clone, Debug)]
@@ -48,21 +54,19 @@ impl Point {
 }
 
 /// Solves for states of the branch on parallel planes.
-struct PlaneSolver<'a> {
+struct PlaneSolver<'a, const D: usize, const P: usize> {
     bordered: Bordered,
+    motion: PointMotion<D, P>,
+    mixed: MixedOptions,
     plane: Hyperplane,
     rate: &'a [f64],
     options: LocateOptions,
     target: BorderedTarget,
 }
 
-impl PlaneSolver<'_> {
+impl<const D: usize, const P: usize> PlaneSolver<'_, D, P> {
     /// Takes a point for the origin of the planes, and its direction, normalised, for their normal.
-    fn set_origin<G: LieGroup<D, P>, const D: usize, const P: usize>(
-        &mut self,
-        system: &System<G, D, P>,
-        point: &mut Point,
-    ) {
+    fn set_origin<G: LieGroup<D, P>>(&mut self, system: &System<G, D, P>, point: &mut Point) {
         let length = norm(&point.direction);
         point.direction.iter_mut().for_each(|d| *d /= length);
         point.slope /= length;
@@ -73,7 +77,7 @@ impl PlaneSolver<'_> {
 
     /// The exact state near an approximate one, as those between the listed loads are; where the load does
     /// not rise there, what that means for the branch.
-    fn refine<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    fn refine<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,
         near: &Point,
@@ -90,21 +94,77 @@ impl PlaneSolver<'_> {
 
     /// The state on the plane at `at`, solved from a point nearby; `None` where none is found near the line
     /// along that point's direction.
-    fn solve<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    fn solve<G: LieGroup<D, P>>(
         &mut self,
         system: &mut System<G, D, P>,
         near: &Point,
         at: f64,
         target: BorderedTarget,
     ) -> Option<Point> {
-        let (n, step) = (near.q.len(), at - near.at);
         self.plane.distance = at;
-        system.advance_from(&near.q, &near.direction, step);
-        self.bordered.multipliers[0] = near.load + step * near.slope;
+        let point = self.solve_straight(system, near, at, target);
+        let stiff = system.model().has_switches() || system.model().has_springs();
+        if point.is_some() || !stiff || system.is_projected() {
+            return point;
+        }
+        self.solve_mixed(system, near, at, target)
+    }
+
+    /// The same from a straight step.
+    fn solve_straight<G: LieGroup<D, P>>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        near: &Point,
+        at: f64,
+        target: BorderedTarget,
+    ) -> Option<Point> {
+        self.predict(system, near, at);
         let border = Border { constraint: &self.plane, multiplier: Multiplier::Load(self.rate) };
         if !self.bordered.solve(system, &[border], target) {
             return None;
         }
+        self.point_found(system, near, at)
+    }
+
+    /// The same with the forces of stiff terms as unknowns: a straight step changes their distances to second order.
+    fn solve_mixed<G: LieGroup<D, P>>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        near: &Point,
+        at: f64,
+        target: BorderedTarget,
+    ) -> Option<Point> {
+        system.set_state(&near.q);
+        self.bordered.multipliers[0] = near.load;
+        let border = Border { constraint: &self.plane, multiplier: Multiplier::Load(self.rate) };
+        self.bordered.visit(system, &[border]);
+        self.motion.points.fill(Vector::ZERO);
+        system.keep_forces(&self.motion.velocities());
+        self.predict(system, near, at);
+        let border = Border { constraint: &self.plane, multiplier: Multiplier::Load(self.rate) };
+        if !self.bordered.approach(system, &[border], &mut self.motion, self.mixed)
+            || !self.bordered.solve(system, &[border], target)
+        {
+            return None;
+        }
+        self.point_found(system, near, at)
+    }
+
+    /// Goes along a point's direction to the plane at `at`.
+    fn predict<G: LieGroup<D, P>>(&mut self, system: &mut System<G, D, P>, near: &Point, at: f64) {
+        let step = at - near.at;
+        system.advance_from(&near.q, &near.direction, step);
+        self.bordered.multipliers[0] = near.load + step * near.slope;
+    }
+
+    /// The state solved for on the plane at `at`; `None` if it is far from the line along a point's direction.
+    fn point_found<G: LieGroup<D, P>>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        near: &Point,
+        at: f64,
+    ) -> Option<Point> {
+        let (n, step) = (near.q.len(), at - near.at);
         let mut direction = vec![0.0; n + 1];
         direction[n] = 1.0;
         if !self.bordered.solve_step(&mut direction) {
@@ -121,7 +181,26 @@ impl PlaneSolver<'_> {
         }
         let stable = is_stable(system);
         let load = self.bordered.multipliers[0];
-        Some(Point { at, load, slope, q: system.state().to_vec(), direction, stable })
+        let point = Point { at, load, slope, q: system.state().to_vec(), direction, stable };
+        (step == 0.0 || self.is_next(system, near, &point)).then_some(point)
+    }
+
+    /// Whether a point may be joined to one before it by a branch on which both are followed: the load rises all the way,
+    /// and no body is passed through.
+    fn is_next<G: LieGroup<D, P>>(&self, system: &mut System<G, D, P>, near: &Point, point: &Point) -> bool {
+        if !(near.is_followed() && point.is_followed()) {
+            return true;
+        }
+        let rise = (point.load - near.load) / (point.at - near.at);
+        let (least, most) = (near.slope.min(point.slope), near.slope.max(point.slope));
+        let margin = self.options.slope_margin * most;
+        if !(least - margin <= rise && rise <= most + margin) {
+            return false;
+        }
+        let mut moved = vec![0.0; near.q.len()];
+        system.displacement(&near.q, &mut moved);
+        let change = Some((self.rate, point.load - near.load));
+        system.stopped_while_loaded(&near.q, &moved, change).is_none()
     }
 }
 
@@ -174,7 +253,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 BranchAhead::Unknown
             };
         }
-        let mut planes = PlaneSolver { bordered, plane: Hyperplane::default(), rate: &rate, options, target };
+        let motion = PointMotion::new(self.system.model());
+        let (plane, mixed) = (Hyperplane::default(), self.options.mixed);
+        let mut planes = PlaneSolver { bordered, motion, mixed, plane, rate: &rate, options, target };
         let (q, slope) = (self.start.clone(), 1.0);
         let mut low = Point { at: 0.0, load: from, slope, q, direction, stable: true };
         planes.set_origin(&self.system, &mut low);
@@ -186,12 +267,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         // Whether the load falls at once, as where the ends of a compressed spring pass each other.
         let mut falls = false;
         let mut reach = ((failed - from) * speed).max(options.corner).min(options.longest);
+        // Number of states on the way.
+        let mut marched = 0;
         let high = loop {
             if self.system.budget.exhausted().is_some() {
                 return BranchAhead::Unknown;
             }
             if !(reach > options.shortest) {
-                if falls {
+                // The load falls at once or no state nearby is followed: the branch may end in a corner.
+                if falls || exact {
                     self.system.set_state(&low.q);
                     return BranchAhead::LimitPoint(low.load);
                 }
@@ -199,12 +283,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             }
             match planes.solve(&mut self.system, &low, reach, if exact { target } else { rough }) {
                 Some(mut point) if point.is_followed() => {
-                    if point.load > 1.0 {
-                        reach *= 0.9 * (1.0 - low.load).max(0.0) / (point.load - low.load);
+                    let farthest = (2.0 * failed - from).min(1.0);
+                    if point.load > farthest {
+                        reach *= 0.9 * (farthest - low.load).max(0.0) / (point.load - low.load);
                         continue;
                     }
                     if point.load > from.max(low.load) && point.load < 1.0 {
-                        return BranchAhead::Continues(point.load);
+                        marched += 1;
+                        let far = point.load - from >= NEGLIGIBLE_PROGRESS * (failed - from);
+                        if far || marched >= options.max_points {
+                            return BranchAhead::Continues(point.load);
+                        }
+                        planes.set_origin(&self.system, &mut point);
+                        low = point;
+                        reach = (2.0 * reach).min(options.longest);
+                        continue;
                     }
                     if exact && point.load < low.load {
                         falls = true;
@@ -246,6 +339,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             (low, exact) = (refined, true);
         };
         if high.slope > 0.0 {
+            // In a corner, stability is lost at once.
+            if exact && (high.load - low.load).abs() <= options.beyond * self.span() {
+                self.system.set_state(&low.q);
+                return BranchAhead::LimitPoint(low.load);
+            }
             return BranchAhead::BranchPoint;
         }
         self.locate_limit_point(&mut planes, low, high)
@@ -263,31 +361,45 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     /// Locates the limit point between a point where the load rises and one where it falls.
     fn locate_limit_point(
         &mut self,
-        planes: &mut PlaneSolver,
+        planes: &mut PlaneSolver<D, P>,
         mut low: Point,
         mut high: Point,
     ) -> BranchAhead {
         let tolerance = self.located();
         let (mut last, mut k) = (high.at, 0);
+        // Part of the way to the next state, less where none was found.
+        let mut part = 1.0;
         for _ in 0..self.options.locate.max_points {
             let span = high.at - low.at;
             // The load where the tangents meet is an upper bound on a concave branch.
             let meet = (high.load - low.load - high.slope * span) / (low.slope - high.slope);
             let best = low.load.max(high.load);
-            if low.load + low.slope * meet - best <= tolerance {
+            let above = is_above(&low, &high);
+            let concave = !above && 0.0 < meet && meet < span;
+            let rise = low.slope * if concave { meet } else { span };
+            let risen = !above && low.load + rise - best <= tolerance;
+            // The load may fall faster close to a corner than where it is known to fall.
+            let close = meet > CLOSE * span || low.slope * span <= tolerance;
+            if risen && close {
                 break;
             }
             let top = cubic_maximum(&low, &high);
             let ahead = match k % 3 {
+                _ if !concave => 0.5 * span,
+                _ if risen => 2.0 * CLOSE * span,
                 0 => top,
                 1 => meet,
                 // As far beyond a corner as the last point was ahead of it.
                 _ => 2.0 * meet - (last - low.at),
             };
-            let at = low.at + ahead.clamp(1e-3 * span, 0.999 * span);
+            let at = low.at + part * ahead.clamp(1e-3 * span, 0.999 * span);
             let near = if at - low.at < high.at - at { &low } else { &high };
             let steepness = low.slope.min(-high.slope);
-            let Some(point) = planes.solve(&mut self.system, near, at, planes.target) else { break };
+            let Some(point) = planes.solve(&mut self.system, near, at, planes.target) else {
+                part *= self.options.locate.shrinkage;
+                continue;
+            };
+            part = 1.0;
             last = at;
             let smooth = point.slope.abs() < 0.1 * steepness;
             k = if smooth { 0 } else { k + 1 };
@@ -304,10 +416,16 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 break;
             }
         }
-        let best = if low.load >= high.load { low } else { high };
+        let best = if low.load >= high.load || is_above(&low, &high) { low } else { high };
         self.system.set_state(&best.q);
         BranchAhead::LimitPoint(best.load)
     }
+}
+
+/// Whether the load at the second point is larger than the slope at the first explains: it is on another branch, or the
+/// load rises faster in between.
+fn is_above(low: &Point, high: &Point) -> bool {
+    high.load > low.load + low.slope * (high.at - low.at)
 }
 
 /// Distance from the first point to the maximum of the cubic Hermite interpolant of the load.

@@ -38,6 +38,8 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) change: [f64; 2],
     /// The state at its beginning, and the displacement over it.
     pub(super) start: Vec<f64>,
+    /// Number of contacts and slack springs that act there.
+    switched_on: usize,
     pub(super) moved: Vec<f64>,
     /// The load at the beginning of the segment between two listed loads, and its change over it.
     pub(super) start_load: Vec<f64>,
@@ -89,6 +91,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             velocity: [zeros(), zeros()],
             change: [0.0; 2],
             start: zeros(),
+            switched_on: 0,
             moved: zeros(),
             start_load: vec![0.0; inputs],
             rate: vec![0.0; inputs],
@@ -231,6 +234,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
                 return status;
             }
             self.start.copy_from_slice(self.system.state());
+            self.switched_on = self.system.switched_on();
             self.system.start_sweeps();
             let ahead = (control.target() - lambda).min(self.longest_passage());
             let reach = self.predictor.predict(&mut self.system, &self.velocity[0], ahead, max_displacement);
@@ -385,7 +389,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         self.arrive();
         let [before, after] = &self.velocity;
         let options = &self.options.same_branch;
-        is_same_branch(options, &self.predictor, h, &self.moved, [before, after], &mut self.work)
+        let longest =
+            if self.system.switched_on() == self.switched_on { f64::INFINITY } else { options.longest_bend };
+        is_same_branch(options, &self.predictor, h, &self.moved, [before, after], longest, &mut self.work)
             && self.system.stopped_while_loaded(&self.start, &self.moved, Some((&self.rate, h))).is_none()
             && self.meets_no_branch(h)
     }

@@ -15,6 +15,8 @@ const WORK_POINTS: usize = 12;
 const BARRIER_POINTS: usize = 6;
 /// Part of the distance to a critical load over which it is approached before it is extrapolated again.
 const APPROACH: f64 = 0.9;
+/// A branch that continues over less than this part of a sub-step hardly does.
+pub(super) const NEGLIGIBLE_PROGRESS: f64 = 0.25;
 /// Largest number of Newton steps to an equilibrium on the way.
 const REFINEMENTS: usize = 8;
 
@@ -36,7 +38,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
                 self.arrive();
                 self.predictor.forget_curvature();
                 let near = max_norm(&self.moved) <= 10.0 * self.options.jump.min_displacement;
-                if lambda < failed && near {
+                if lambda - from < NEGLIGIBLE_PROGRESS * (failed - from) && near {
                     control.record_negligible_jump();
                 }
                 control.accept(from, lambda);
@@ -84,6 +86,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             return Ok(lambda);
         }
         control.record_negligible_jump();
+        // The branch goes on in the state found: the limit point was not resolved.
+        if lambda > from {
+            return Ok(lambda);
+        }
         self.jump(from, next, step, sink)
     }
 
@@ -303,7 +309,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     }
 
     /// Restores an equilibrium at `lambda`, with its tangent and factor.
-    fn restore_at(&mut self, state: &[f64], lambda: f64) {
+    pub(super) fn restore_at(&mut self, state: &[f64], lambda: f64) {
         self.system.set_load_between(&self.start_load, &self.rate, lambda);
         self.restore(state);
     }

@@ -194,6 +194,9 @@ options! {
         corner: f64 = 1e-3, Interval::from(0.0).to(1.0);
         /// Largest deviation of a state beyond a corner, as a multiple of the displacement.
         corner_turn: f64 = 10.0, Interval::above(0.0).to(1e3);
+        /// How far the mean slope of the load between two states that are followed may lie outside of their own
+        /// slopes, as a fraction of the larger one: between them the load would fall.
+        slope_margin: f64 = 0.1, Interval::from(0.0).to(10.0);
     }
 }
 
@@ -261,6 +264,8 @@ options! {
         mean_velocity_error: f64 = 0.5, Interval::from(0.0).to(10.0);
         /// Term added to this difference: a fraction of the size of the velocities.
         relative_error: f64 = 0.05, Interval::from(0.0).to(10.0);
+        /// Longest displacement (dimensionless norm) of which this is enough where contacts have opened or closed.
+        longest_bend: f64 = 0.2, Interval::from(0.0).to(1e6);
         /// Term added to this difference (dimensionless).
         absolute_error: f64 = 1e-9, Interval::from(0.0).to(1.0);
     }

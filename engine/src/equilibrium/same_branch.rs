@@ -5,7 +5,7 @@ use super::predictor::Predictor;
 use super::vector::norm;
 
 /// Whether the displacement `moved` over a sub-step `h` agrees with the prediction or with the
-/// velocities at both ends. `work` is scratch.
+/// velocities at both ends, if it is no longer than `longest`. `work` is scratch.
 ///
 /// On one branch with a change of contact the path is nearly two straight pieces, so the displacement
 /// lies between the two tangents; a jump to another branch does not.
@@ -15,6 +15,7 @@ pub(super) fn is_same_branch<const D: usize, const P: usize>(
     h: f64,
     moved: &[f64],
     [before, after]: [&[f64]; 2],
+    longest: f64,
     work: &mut [f64],
 ) -> bool {
     predictor.displacement(h, work);
@@ -37,6 +38,7 @@ pub(super) fn is_same_branch<const D: usize, const P: usize>(
         + options.absolute_error;
     let between_tangents = change.sqrt() <= options.max_velocity_change
         && mean_error.sqrt() <= allowed
-        && norm(after).is_finite();
+        && norm(after).is_finite()
+        && displacement.sqrt() <= longest;
     as_predicted || between_tangents
 }

@@ -452,7 +452,12 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         }
     }
 
-    /// Whether as many contacts and slack springs act in the state evaluated last as where its tangent was.
+    /// Number of contacts and slack springs that act in the state whose tangent was evaluated last.
+    pub(super) fn switched_on(&self) -> usize {
+        self.switched_on
+    }
+
+    /// Whether as many of them act in the state evaluated last.
     pub(super) fn is_near_tangent(&self) -> bool {
         self.data.switched_on(self.model, &self.q, &self.load) == self.switched_on
     }

@@ -96,8 +96,8 @@ fn crossing<const P: usize>(
     let (after, other) = at(1.0);
     let deep = DEEP * thickness;
     let inside = after > deep && last().is_some_and(|left| after - left.max(0.0) > deep);
-    // The depth within is at most half of that at both ends and of the length.
-    let outside = before <= 0.0 && after <= 0.0 && before + after + length > 2.0 * deep;
+    // It may touch the other side there. The depth within is at most half of that at both ends and of the length.
+    let outside = before <= 0.0 && after <= deep && before + after + length > 2.0 * deep;
     if normal.dot(&other) > SAME_SIDE && !inside && !outside {
         return None;
     }
@@ -112,7 +112,8 @@ fn crossing<const P: usize>(
         if depth(a) > depth(b) { high = b } else { low = a }
     }
     let deepest = 0.5 * (low + high);
-    if !(depth(deepest) > deep) {
+    let touched = if outside && !inside { after.max(0.0) } else { 0.0 };
+    if !(depth(deepest) - touched > deep) {
         return None;
     }
     let shallow = before.max(0.0);
@@ -148,6 +149,14 @@ mod tests {
             assert!((place(found.met) + (0.9001f64.powi(2) - 1e-6).sqrt()).abs() < off, "{found:?}");
             assert!(place(found.deepest).abs() < 1e-3 + off, "{found:?}");
         }
+    }
+
+    #[test]
+    fn a_motion_that_ends_in_touch_with_the_other_side_leads_through() {
+        // On the other side of a chord that is 0.1 deep at most.
+        let half = (1.0f64 - 0.9 * 0.9).sqrt();
+        assert!(passing(0.9, -2.0, half - 1e-3).is_some());
+        assert_eq!(passing(0.9, -2.0, -half + 1e-3), None);
     }
 
     #[test]
