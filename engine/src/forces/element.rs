@@ -242,11 +242,12 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
     /// not given.
     fn contact_forces(&self, _at: &State<G, D, P>, _state: &Self::State, _out: &mut Vec<ContactForce<P>>) {}
 
-    /// Computes the quantities shared by all outputs.
+    /// Computes the quantities shared by all outputs; `wanted`: the parameters by which they are differentiated.
     fn update_sensitivity(
         &self,
         _at: &State<G, D, P>,
         _design: &Self::Design,
+        _wanted: &[bool],
         _sensitivity: &mut Self::Sensitivity,
     ) {
     }

@@ -236,9 +236,10 @@ macro_rules! registry {
                 &self,
                 at: &State<G, D, P>,
                 designs: &Designs<P>,
+                wanted: &[bool],
                 sensitivities: &mut Sensitivities<P>,
             ) {
-                $(self.$name.update_sensitivity(at, &designs.$name, &mut sensitivities.$name);)*
+                $(self.$name.update_sensitivity(at, &designs.$name, wanted, &mut sensitivities.$name);)*
             }
 
             pub fn add_parameter_work<G: LieGroup<D, P>, const D: usize>(

@@ -58,12 +58,15 @@ pub struct Adjoint<const D: usize, const P: usize> {
     /// ∂y/∂q, then λ.
     lambda: Vec<f64>,
     wanted: Vec<usize>,
+    is_wanted: Vec<bool>,
 }
 
 impl<const D: usize, const P: usize> Adjoint<D, P> {
     /// A workspace for derivatives with respect to the parameters `wanted`.
     pub fn new<G: LieGroup<D, P>>(model: &Model<G, D, P>, wanted: &[usize]) -> Self {
         let (frames, points) = (model.frames.len(), model.points.len());
+        let mut is_wanted = vec![false; model.parameters().len()];
+        wanted.iter().for_each(|parameter| is_wanted[*parameter] = true);
         Self {
             twists: vec![Vector::ZERO; frames],
             points: vec![Vector::ZERO; points],
@@ -83,6 +86,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
             ),
             lambda: vec![0.0; model.dof()],
             wanted: wanted.to_vec(),
+            is_wanted,
         }
     }
 
@@ -112,7 +116,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     ) {
         self.design_velocities.iter_mut().for_each(|velocity| velocity.update(model, data));
         let at = data.state(model, q, load);
-        model.forces.update_sensitivities(&at, &data.design.forces, &mut self.forces);
+        model.forces.update_sensitivities(&at, &data.design.forces, &self.is_wanted, &mut self.forces);
     }
 
     /// λᵀ ∂g/∂p from the prepared quantities, into `self.gradient`.

@@ -331,7 +331,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         });
     }
 
-    fn update_sensitivity(&self, at: &State<G, D, P>, _: &Paths, points: &mut Vec<PointSensitivity>) {
+    fn update_sensitivity(
+        &self,
+        at: &State<G, D, P>,
+        _: &Paths,
+        _: &[bool],
+        points: &mut Vec<PointSensitivity>,
+    ) {
         points.clear();
         for actuator in &self.0 {
             let load = at.load[actuator.input];

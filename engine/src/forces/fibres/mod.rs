@@ -441,8 +441,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         self.strains.for_each_force(|point| &points[point], |i, force| out.add(i, force));
     }
 
-    fn update_sensitivity(&self, at: &State<G, D, P>, _: &FibreDesign, fibres: &mut FibreSensitivity) {
-        self.update(at, fibres);
+    fn update_sensitivity(
+        &self,
+        at: &State<G, D, P>,
+        _: &FibreDesign,
+        wanted: &[bool],
+        fibres: &mut FibreSensitivity,
+    ) {
+        self.update(at, wanted, fibres);
     }
 
     fn add_parameter_work(

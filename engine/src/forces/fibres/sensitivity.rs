@@ -23,11 +23,13 @@ struct FibreForce {
 }
 
 /// All fibres, Gauss point after Gauss point, and the derivatives of their `first` with respect to the
-/// constants of their materials.
+/// constants of their materials, where these are wanted.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FibreSensitivity {
     fibres: Vec<FibreForce>,
     by_constant: Vec<[f64; 2]>,
+    /// For each material, whether a constant is wanted.
+    wanted: Vec<bool>,
     /// Constants of one fibre, with derivatives.
     seeded: Vec<Constant>,
 }
@@ -36,9 +38,13 @@ impl FibreSections {
     pub(super) fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
+        wanted: &[bool],
         out: &mut FibreSensitivity,
     ) {
         let p = at.parameters();
+        out.wanted.clear();
+        out.wanted
+            .extend(self.materials.iter().map(|material| wanted[material.constants.clone()].contains(&true)));
         out.fibres.clear();
         out.by_constant.clear();
         for fibre_rod in &self.rods {
@@ -58,12 +64,13 @@ impl FibreSections {
 
     /// Appends a fibre.
     fn push(&self, material: usize, p: &[f64], fibre: Fibre, wall: Wall, out: &mut FibreSensitivity) {
+        let by_constants = out.wanted[material];
         let material = &self.materials[material];
         let constants = &p[material.constants.clone()];
         let moves = material.moves();
         let linear = material.law == Law::Linear;
         let modulus = if linear { Law::modulus(constants, material.wound) } else { [0.0; 3] };
-        let FibreSensitivity { fibres, by_constant, seeded } = out;
+        let FibreSensitivity { fibres, by_constant, seeded, .. } = out;
         let mut evaluate = |seed: Seed| {
             seeded.clear();
             if linear {
@@ -91,7 +98,8 @@ impl FibreSections {
             second: by_ratio.value.second,
             by_ratio: by_ratio.by_parameter.first,
         });
-        by_constant.extend((0..constants.len()).map(|k| evaluate(Seed::Constant(k)).by_parameter.first));
+        let count = if by_constants { constants.len() } else { 0 };
+        by_constant.extend((0..count).map(|k| evaluate(Seed::Constant(k)).by_parameter.first));
     }
 
     pub(super) fn add_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -183,6 +191,9 @@ impl FibreSections {
                     let out = &mut gradient[numbers_of..numbers_of + NUMBERS];
                     let by_radius = Fibre::add_derivatives(n, p[radius], derivatives, out);
                     gradient[radius] += by_radius;
+                    if !sensitivity.wanted[m] {
+                        continue;
+                    }
                     let by_shear = area * torsion * twist * polar + series_by_modulus * shear;
                     for (k, by_constant) in material.constants.clone().zip(by_constant.by_ref()) {
                         let of_shear = material.law.shear_modulus_by(constants, k - material.constants.start);
