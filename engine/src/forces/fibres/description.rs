@@ -9,7 +9,7 @@ use crate::linalg::Matrix;
 use crate::tree::description::Section;
 use crate::tree::{ModelError, Rod, Tree, finite, positive};
 use serde::Deserialize;
-use std::ops::Range;
+use std::ops::{Add, Mul, Range};
 
 /// A material.
 #[derive(Clone, Debug, Deserialize)]
@@ -151,15 +151,72 @@ pub(super) struct Fibre {
     pub centre: [f64; 2],
 }
 
-/// Derivatives with respect to what a fibre is described by.
+/// Derivatives with respect to what a fibre is described by: numbers, or what is linear in virtual strains.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FibreDerivatives {
+pub(super) struct FibreDerivatives<T> {
     /// Its place, y and z.
-    pub place: [f64; 2],
-    pub centre: [f64; 2],
-    pub area: f64,
-    pub stretch: f64,
-    pub ratio: f64,
+    pub place: [T; 2],
+    pub centre: [T; 2],
+    pub area: T,
+    pub stretch: T,
+    pub ratio: T,
+}
+
+impl<T: Copy + Add<Output = T> + Mul<f64, Output = T>> FibreDerivatives<T> {
+    /// Each of them as a number.
+    #[inline]
+    pub fn map(&self, number: impl Fn(T) -> f64) -> FibreDerivatives<f64> {
+        FibreDerivatives {
+            place: self.place.map(&number),
+            centre: self.centre.map(&number),
+            area: number(self.area),
+            stretch: number(self.stretch),
+            ratio: number(self.ratio),
+        }
+    }
+
+    /// That with respect to S.
+    #[inline]
+    pub fn by_radius(&self, n: &[f64], s: f64) -> T {
+        let (winding, own) = (n[8] + n[9] * s, n[10] + n[11] * s);
+        let [[y, z], [centre_y, centre_z]] = [self.place, self.centre];
+        y * n[1]
+            + z * n[3]
+            + self.area * (n[5] + 2.0 * s * n[6])
+            + self.ratio * (n[9] / own - n[11] * winding / (own * own))
+            + centre_y * n[13]
+            + centre_z * n[15]
+    }
+}
+
+impl FibreDerivatives<f64> {
+    /// Adds those with respect to the numbers.
+    #[inline]
+    pub fn add_by_numbers(&self, n: &[f64], s: f64, out: &mut [f64]) {
+        let Self { place: [y, z], centre: [centre_y, centre_z], area, stretch, ratio } = *self;
+        let (winding, own) = (n[8] + n[9] * s, n[10] + n[11] * s);
+        let by_winding = ratio / own;
+        let by_own = -by_winding * winding / own;
+        let derivatives = [
+            y,
+            y * s,
+            z,
+            z * s,
+            area,
+            area * s,
+            area * s * s,
+            stretch,
+            by_winding,
+            by_winding * s,
+            by_own,
+            by_own * s,
+            centre_y,
+            centre_y * s,
+            centre_z,
+            centre_z * s,
+        ];
+        out.iter_mut().zip(derivatives).for_each(|(o, d)| *o += d);
+    }
 }
 
 impl Fibre {
@@ -200,41 +257,6 @@ impl Fibre {
     pub fn wall(&self, strains: [f64; 3], length: f64) -> Wall {
         let [a, b] = self.stretches(strains, length);
         Wall::new(a, b, self.ratio)
-    }
-
-    /// Adds derivatives with respect to the numbers, and returns that with respect to S.
-    #[inline]
-    pub fn add_derivatives(n: &[f64], s: f64, by: FibreDerivatives, out: &mut [f64]) -> f64 {
-        let FibreDerivatives { place: [y, z], centre: [centre_y, centre_z], area, stretch, ratio } = by;
-        let (winding, own) = (n[8] + n[9] * s, n[10] + n[11] * s);
-        let by_winding = ratio / own;
-        let by_own = -ratio * winding / (own * own);
-        let derivatives = [
-            y,
-            y * s,
-            z,
-            z * s,
-            area,
-            area * s,
-            area * s * s,
-            stretch,
-            by_winding,
-            by_winding * s,
-            by_own,
-            by_own * s,
-            centre_y,
-            centre_y * s,
-            centre_z,
-            centre_z * s,
-        ];
-        out.iter_mut().zip(derivatives).for_each(|(o, d)| *o += d);
-        y * n[1]
-            + z * n[3]
-            + area * (n[5] + 2.0 * s * n[6])
-            + by_winding * n[9]
-            + by_own * n[11]
-            + centre_y * n[13]
-            + centre_z * n[15]
     }
 }
 

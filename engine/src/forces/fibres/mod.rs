@@ -217,8 +217,8 @@ impl FibreSections {
             ratio: weight * by_ratio,
             area: 0.0,
         };
-        let own = &mut out.parameters[place.first..place.first + NUMBERS];
-        out.parameters[radius] += Fibre::add_derivatives(numbers, p[radius], by, own);
+        out.parameters[radius] += by.by_radius(numbers, p[radius]);
+        by.add_by_numbers(numbers, p[radius], &mut out.parameters[place.first..place.first + NUMBERS]);
     }
 
     /// Evaluates the fibres that are not linear under the strains of the state, and visits them by material;

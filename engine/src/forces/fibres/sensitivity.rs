@@ -5,16 +5,64 @@ use super::description::{Fibre, FibreDerivatives, symmetric};
 use super::jet::{Constant, Jet, MixedJet};
 use super::stretches::{Free, Hooped};
 use super::wall::Wall;
-use super::{FibreSections, Law, NUMBERS, length_power, numbers, strains};
+use super::{FibreSection, FibreSections, Law, NUMBERS, Series, length_power, numbers, strains};
 use crate::forces::state::State;
 use crate::lie::LieGroup;
+use crate::linalg::Vector;
 
-/// A fibre in the current state. One that does not move with a wall (see `wall.rs`) is its own centre.
+/// What is linear in the virtual ε, θ_y and θ_z of a Gauss point, in the work of a unit of torsional stiffness and in
+/// that of shear.
+type Slope = Vector<5>;
+
+/// Slopes of the work at one fibre.
 #[derive(Clone, Copy, Debug)]
-struct FibreForce {
-    fibre: Fibre,
-    moves: bool,
-    /// w by a and b.
+struct FibreSlopes {
+    by: FibreDerivatives<Slope>,
+    /// What its energy's derivatives by a constant make of virtual a and b, as slopes.
+    virtual_: [Slope; 2],
+    /// By its shear modulus.
+    modulus: Slope,
+}
+
+/// Slopes of the work at one Gauss point.
+#[derive(Clone, Copy, Debug)]
+struct PointSlopes {
+    /// The strains there.
+    strain: [f64; 6],
+    length: Slope,
+    radius: Slope,
+    /// By the multiple of the torsional stiffness, per work of a unit.
+    torsion: f64,
+    /// Of the fibres in series.
+    shear: f64,
+    /// Whether a stiffness that is given matters.
+    is_stiff: bool,
+}
+
+/// What is wanted of a section.
+#[derive(Clone, Debug)]
+struct Wanted {
+    stiffness: bool,
+    fibres: Vec<bool>,
+}
+
+/// The slopes of all Gauss points and fibres, Gauss point after Gauss point, and the derivatives of the energy by a and
+/// b with respect to the constants of their materials, where these are wanted.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct FibreSensitivity {
+    points: Vec<PointSlopes>,
+    fibres: Vec<FibreSlopes>,
+    by_constant: Vec<[f64; 2]>,
+    /// For each material, whether a constant is wanted; for each section of each rod.
+    materials: Vec<bool>,
+    sections: Vec<Vec<Wanted>>,
+    /// Constants of one fibre, with derivatives.
+    seeded: Vec<Constant>,
+}
+
+/// The energy of a fibre, w.
+struct FibreEnergy {
+    /// By a and b.
     first: [f64; 2],
     /// By a twice, by both, by b twice.
     second: [f64; 3],
@@ -22,55 +70,132 @@ struct FibreForce {
     by_ratio: [f64; 2],
 }
 
-/// All fibres, Gauss point after Gauss point, and the derivatives of their `first` with respect to the
-/// constants of their materials, where these are wanted.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct FibreSensitivity {
-    fibres: Vec<FibreForce>,
-    by_constant: Vec<[f64; 2]>,
-    /// For each material, whether a constant is wanted.
-    wanted: Vec<bool>,
-    /// Constants of one fibre, with derivatives.
-    seeded: Vec<Constant>,
-}
-
 impl FibreSections {
+    /// Notes which parameters are wanted, the same for all states.
+    fn note_wanted(&self, wanted: &[bool], out: &mut FibreSensitivity) {
+        let any = |range: std::ops::Range<usize>| wanted[range].contains(&true);
+        out.materials.extend(self.materials.iter().map(|material| any(material.constants.clone())));
+        out.sections.extend(self.rods.iter().map(|rod| {
+            let of_section = |section: &FibreSection| {
+                let first = |index: usize| section.fibres + NUMBERS * index;
+                let fibres = (0..section.materials.len()).map(|index| any(first(index)..first(index + 1)));
+                Wanted { stiffness: any(section.rigidity..section.rigidity + 21), fibres: fibres.collect() }
+            };
+            rod.sections.iter().map(of_section).collect()
+        }));
+    }
+
     pub(super) fn update<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         wanted: &[bool],
         out: &mut FibreSensitivity,
     ) {
+        if out.materials.is_empty() {
+            self.note_wanted(wanted, out);
+        }
         let p = at.parameters();
-        out.wanted.clear();
-        out.wanted
-            .extend(self.materials.iter().map(|material| wanted[material.constants.clone()].contains(&true)));
+        out.points.clear();
         out.fibres.clear();
         out.by_constant.clear();
-        for fibre_rod in &self.rods {
+        for (r, fibre_rod) in self.rods.iter().enumerate() {
             let rod = &at.tree.rods[fibre_rod.rod];
             let length = p[rod.length];
-            for (gauss, section) in rod.gauss.iter().zip(&fibre_rod.of_gauss) {
+            for (gauss, section_index) in rod.gauss.iter().zip(&fibre_rod.of_gauss) {
+                let section = &fibre_rod.sections[*section_index];
                 let strain = strains(&gauss.columns, at.q);
                 let s = p[rod.radius.start + gauss.point];
-                for (m, n) in numbers(&fibre_rod.sections[*section], p) {
+                let series = self.shear_in_series(section, p, s);
+                let given = &p[section.rigidity..section.rigidity + 21];
+                let mut point = PointSlopes {
+                    strain,
+                    length: SHEAR * (series.stiffness() / length),
+                    radius: Slope::ZERO,
+                    torsion: 0.0,
+                    shear: series.stiffness(),
+                    is_stiff: out.sections[r][*section_index].stiffness || given.iter().any(|k| *k != 0.0),
+                };
+                for (m, n) in numbers(section, p) {
                     let fibre = self.materials[m].fibre(n, s);
                     let wall = fibre.wall([strain[3], strain[1], strain[2]], length);
-                    self.push(m, p, fibre, wall, out);
+                    let energy = self.energy(m, p, wall, out);
+                    let slopes = self.slopes(
+                        m,
+                        p,
+                        fibre,
+                        &energy,
+                        (section, series, gauss.weight, length),
+                        &mut point,
+                    );
+                    point.radius = point.radius + slopes.by.by_radius(n, s);
+                    out.fibres.push(slopes);
                 }
+                out.points.push(point);
             }
         }
     }
 
-    /// Appends a fibre.
-    fn push(&self, material: usize, p: &[f64], fibre: Fibre, wall: Wall, out: &mut FibreSensitivity) {
-        let by_constants = out.wanted[material];
+    /// The slopes of a fibre; adds to those of its Gauss point.
+    fn slopes(
+        &self,
+        material: usize,
+        p: &[f64],
+        fibre: Fibre,
+        energy: &FibreEnergy,
+        (section, series, weight, length): (&FibreSection, Series, f64, f64),
+        point: &mut PointSlopes,
+    ) -> FibreSlopes {
+        let Fibre { y, z, area, stretch, centre, .. } = fibre;
+        let FibreEnergy { first, second: [aa, ab, bb], by_ratio } = *energy;
+        let material = &self.materials[material];
+        let g = material.law.shear_modulus(&p[material.constants.clone()]);
+        let (torsion, polar) = (p[section.torsion], y * y + z * z);
+        let rate = weight * stretch;
+        // L â and L b̂, times w; a and b but for what extension makes of a.
+        let bend = [point.strain[1] / length, point.strain[2] / length];
+        let along = |[y, z]: [f64; 2]| BEND_Y * z + BEND_Z * -y;
+        let bent = |[y, z]: [f64; 2]| stretch * (bend[0] * z - bend[1] * y);
+        let arm = fibre.arm();
+        let (virtual_a, virtual_b) = ((AXIAL * length + along(centre)) * rate, along(arm) * rate);
+        let (by_a, by_b) = (bent(centre), bent(arm));
+        let force_a = (virtual_a * aa + virtual_b * ab) * area;
+        let force_b = (virtual_a * ab + virtual_b * bb) * area;
+        let work = virtual_a * first[0] + virtual_b * first[1];
+        point.torsion += g * area * polar;
+        point.length = point.length + AXIAL * (area * rate * first[0])
+            - (force_a * by_a + force_b * by_b) * length.recip()
+            - TWIST * (g * area * torsion * polar / length);
+        let [series_by_area, series_by_modulus] = series.slopes(area, g);
+        // By the centre and by the arm.
+        let [of_centre, of_arm] = [(force_a, first[0]), (force_b, first[1])].map(|(f, d)| {
+            let (f, d) = (f * stretch, area * rate * d);
+            [f * -bend[1] - BEND_Z * d, f * bend[0] + BEND_Y * d]
+        });
+        let shifted = [of_centre[0] - of_arm[0], of_centre[1] - of_arm[1]];
+        let (of_place, centre) =
+            if material.moves() { (of_arm, shifted) } else { (of_centre, [Slope::ZERO; 2]) };
+        let polar_by = TWIST * (torsion * g * area * 2.0);
+        let total = stretch * (1.0 + point.strain[3]) + by_a;
+        let by = FibreDerivatives {
+            place: [of_place[0] + polar_by * y, of_place[1] + polar_by * z],
+            centre,
+            area: work + TWIST * (g * torsion * polar) + SHEAR * series_by_area,
+            stretch: (work * area + force_a * total + force_b * by_b) * stretch.recip(),
+            ratio: (virtual_a * by_ratio[0] + virtual_b * by_ratio[1]) * area,
+        };
+        let modulus = TWIST * (area * torsion * polar) + SHEAR * series_by_modulus;
+        FibreSlopes { by, virtual_: [virtual_a * area, virtual_b * area], modulus }
+    }
+
+    /// The energy of a fibre; appends its derivatives by constants where these are wanted.
+    fn energy(&self, material: usize, p: &[f64], wall: Wall, out: &mut FibreSensitivity) -> FibreEnergy {
+        let by_constants = out.materials[material];
         let material = &self.materials[material];
         let constants = &p[material.constants.clone()];
         let moves = material.moves();
         let linear = material.law == Law::Linear;
         let modulus = if linear { Law::modulus(constants, material.wound) } else { [0.0; 3] };
-        let FibreSensitivity { fibres, by_constant, seeded, .. } = out;
+        let FibreSensitivity { by_constant, seeded, .. } = out;
         let mut evaluate = |seed: Seed| {
             seeded.clear();
             if linear {
@@ -91,15 +216,13 @@ impl FibreSections {
             MixedJet { value: w.value.into(), by_parameter: w.by_parameter.into() }
         };
         let by_ratio = evaluate(Seed::Ratio);
-        fibres.push(FibreForce {
-            fibre,
-            moves,
+        let count = if by_constants { constants.len() } else { 0 };
+        by_constant.extend((0..count).map(|k| evaluate(Seed::Constant(k)).by_parameter.first));
+        FibreEnergy {
             first: by_ratio.value.first,
             second: by_ratio.value.second,
             by_ratio: by_ratio.by_parameter.first,
-        });
-        let count = if by_constants { constants.len() } else { 0 };
-        by_constant.extend((0..count).map(|k| evaluate(Seed::Constant(k)).by_parameter.first));
+        }
     }
 
     pub(super) fn add_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
@@ -110,101 +233,70 @@ impl FibreSections {
         gradient: &mut [f64],
     ) {
         let p = at.parameters();
-        let (mut fibres, mut by_constant) = (sensitivity.fibres.iter(), sensitivity.by_constant.iter());
-        for fibre_rod in &self.rods {
+        let FibreSensitivity { points, fibres, by_constant, materials, sections, .. } = sensitivity;
+        let (mut points, mut fibres, mut by_constant) = (points.iter(), fibres.iter(), by_constant.iter());
+        for (fibre_rod, wanted) in self.rods.iter().zip(sections) {
             let rod = &at.tree.rods[fibre_rod.rod];
             let length = p[rod.length];
-            for (gauss, section) in rod.gauss.iter().zip(&fibre_rod.of_gauss) {
-                let section = &fibre_rod.sections[*section];
-                let radius = rod.radius.start + gauss.point;
-                let w = gauss.weight;
-                let real = strains(&gauss.columns, at.q);
+            for (gauss, index) in rod.gauss.iter().zip(&fibre_rod.of_gauss) {
+                let Some(point) = points.next() else { return };
+                let (section, wanted) = (&fibre_rod.sections[*index], &wanted[*index]);
+                let (radius, w) = (rod.radius.start + gauss.point, gauss.weight);
                 let virtual_ = strains(&gauss.columns, lambda);
                 let pair = |i: usize, j: usize| {
                     let power = 1 + length_power(i) + length_power(j);
-                    (w * real[i] * virtual_[j] * length.powi(power), f64::from(power) / length)
+                    (w * point.strain[i] * virtual_[j] * length.powi(power), f64::from(power) / length)
                 };
-                // The stiffness that is given.
-                let rigidity = symmetric(&p[section.rigidity..section.rigidity + 21]).0;
-                let mut k = section.rigidity;
-                for i in 0..6 {
-                    for j in i..6 {
-                        let ((one, by_length), (other, _)) = (pair(i, j), pair(j, i));
-                        let work = if i == j { one } else { one + other };
-                        gradient[k] += work;
-                        gradient[rod.length] += rigidity[i][j] * work * by_length;
-                        k += 1;
+                if point.is_stiff {
+                    let rigidity = symmetric(&p[section.rigidity..section.rigidity + 21]).0;
+                    let mut k = section.rigidity;
+                    for i in 0..6 {
+                        for j in i..6 {
+                            let ((one, by_length), (other, _)) = (pair(i, j), pair(j, i));
+                            let work = if i == j { one } else { one + other };
+                            gradient[k] += work;
+                            gradient[rod.length] += rigidity[i][j] * work * by_length;
+                            k += 1;
+                        }
                     }
                 }
-                // Torsion and shear of the fibres.
-                let ((twist, twist_by_length), torsion) = (pair(0, 0), p[section.torsion]);
-                let (along_y, along_z) = (pair(4, 4).0, pair(5, 5).0);
+                let (twist, along_y, along_z) = (pair(0, 0).0, pair(4, 4).0, pair(5, 5).0);
                 let shear = p[section.shear] * along_y + p[section.shear + 1] * along_z;
-                let shear_by_length = pair(4, 4).1;
-                let series = self.shear_in_series(section, p, p[radius]);
-                let stiffness = series.stiffness();
-                gradient[section.shear] += along_y * stiffness;
-                gradient[section.shear + 1] += along_z * stiffness;
-                gradient[rod.length] += stiffness * shear * shear_by_length;
-                let [axial, bend_y, bend_z] = [virtual_[3], virtual_[1], virtual_[2]];
-                let bend = [real[1] / length, real[2] / length];
+                let motion = Vector([virtual_[3], virtual_[1], virtual_[2], twist, shear]);
+                gradient[section.torsion] += point.torsion * twist;
+                gradient[section.shear] += point.shear * along_y;
+                gradient[section.shear + 1] += point.shear * along_z;
+                gradient[rod.length] += point.length.dot(&motion);
+                gradient[radius] += point.radius.dot(&motion);
                 for (index, (m, n)) in numbers(section, p).enumerate() {
-                    let Some(force) = fibres.next() else { return };
-                    let FibreForce { fibre, moves, first, second: [aa, ab, bb], by_ratio } = *force;
-                    let Fibre { y, z, area, stretch, centre, .. } = fibre;
-                    let material = &self.materials[m];
-                    let constants = &p[material.constants.clone()];
-                    let g = material.law.shear_modulus(constants);
-                    let polar = y * y + z * z;
-                    let rate = w * stretch;
-                    // L â and L b̂, times w; a and b but for what extension makes of a.
-                    let along = |[y, z]: [f64; 2]| z * bend_y - y * bend_z;
-                    let bent = |[y, z]: [f64; 2]| stretch * (bend[0] * z - bend[1] * y);
-                    let arm = fibre.arm();
-                    let (virtual_a, virtual_b) = (rate * (length * axial + along(centre)), rate * along(arm));
-                    let (by_a, by_b) = (bent(centre), bent(arm));
-                    let force_a = area * (aa * virtual_a + ab * virtual_b);
-                    let force_b = area * (ab * virtual_a + bb * virtual_b);
-                    let work = first[0] * virtual_a + first[1] * virtual_b;
-                    gradient[section.torsion] += twist * g * area * polar;
-                    gradient[rod.length] += area * rate * first[0] * axial
-                        - (force_a * by_a + force_b * by_b) / length
-                        + g * area * torsion * twist * polar * twist_by_length;
-                    let [series_by_area, series_by_modulus] = series.slopes(area, g);
-                    // By the centre and by the arm.
-                    let [of_centre, of_arm] = [(force_a, first[0]), (force_b, first[1])].map(|(f, d)| {
-                        let (f, d) = (f * stretch, area * rate * d);
-                        [-f * bend[1] - d * bend_z, f * bend[0] + d * bend_y]
-                    });
-                    let shifted = [of_centre[0] - of_arm[0], of_centre[1] - of_arm[1]];
-                    let (of_place, centre) = if moves { (of_arm, shifted) } else { (of_centre, [0.0; 2]) };
-                    let polar_by = torsion * twist * g * area * 2.0;
-                    let total = stretch * (1.0 + real[3]) + by_a;
-                    let derivatives = FibreDerivatives {
-                        place: [of_place[0] + polar_by * y, of_place[1] + polar_by * z],
-                        centre,
-                        area: work + g * torsion * twist * polar + series_by_area * shear,
-                        stretch: (area * work + force_a * total + force_b * by_b) / stretch,
-                        ratio: area * (by_ratio[0] * virtual_a + by_ratio[1] * virtual_b),
-                    };
-                    let numbers_of = section.fibres + NUMBERS * index;
-                    let out = &mut gradient[numbers_of..numbers_of + NUMBERS];
-                    let by_radius = Fibre::add_derivatives(n, p[radius], derivatives, out);
-                    gradient[radius] += by_radius;
-                    if !sensitivity.wanted[m] {
+                    let Some(FibreSlopes { by, virtual_, modulus }) = fibres.next() else { return };
+                    if wanted.fibres[index] {
+                        let first = section.fibres + NUMBERS * index;
+                        let by = by.map(|slope| slope.dot(&motion));
+                        by.add_by_numbers(n, p[radius], &mut gradient[first..first + NUMBERS]);
+                    }
+                    if !materials[m] {
                         continue;
                     }
-                    let by_shear = area * torsion * twist * polar + series_by_modulus * shear;
-                    for (k, by_constant) in material.constants.clone().zip(by_constant.by_ref()) {
+                    let material = &self.materials[m];
+                    let constants = &p[material.constants.clone()];
+                    let (by_modulus, [a, b]) =
+                        (modulus.dot(&motion), virtual_.map(|slope| slope.dot(&motion)));
+                    for (k, [by_a, by_b]) in material.constants.clone().zip(by_constant.by_ref()) {
                         let of_shear = material.law.shear_modulus_by(constants, k - material.constants.start);
-                        let [by_a, by_b] = by_constant;
-                        gradient[k] += area * (by_a * virtual_a + by_b * virtual_b) + by_shear * of_shear;
+                        gradient[k] += by_a * a + by_b * b + by_modulus * of_shear;
                     }
                 }
             }
         }
     }
 }
+
+const AXIAL: Slope = Vector([1.0, 0.0, 0.0, 0.0, 0.0]);
+const BEND_Y: Slope = Vector([0.0, 1.0, 0.0, 0.0, 0.0]);
+const BEND_Z: Slope = Vector([0.0, 0.0, 1.0, 0.0, 0.0]);
+const TWIST: Slope = Vector([0.0, 0.0, 0.0, 1.0, 0.0]);
+const SHEAR: Slope = Vector([0.0, 0.0, 0.0, 0.0, 1.0]);
 
 /// The parameter that a derivative is with respect to.
 #[derive(Clone, Copy, PartialEq)]
