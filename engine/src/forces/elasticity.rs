@@ -107,7 +107,14 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    fn update_sensitivity(&self, at: &State<G, D, P>, _: &Vec<f64>, _: &[bool], sections: &mut Vec<f64>) {
+    fn update_sensitivity(
+        &self,
+        at: &State<G, D, P>,
+        _: &Vec<f64>,
+        _: &(),
+        _: &[bool],
+        sections: &mut Vec<f64>,
+    ) {
         let p = at.parameters();
         sections.clear();
         for rod in &at.tree.rods {

@@ -247,6 +247,7 @@ pub(crate) trait ForceElement<G: LieGroup<D, P>, const D: usize, const P: usize>
         &self,
         _at: &State<G, D, P>,
         _design: &Self::Design,
+        _state: &Self::State,
         _wanted: &[bool],
         _sensitivity: &mut Self::Sensitivity,
     ) {

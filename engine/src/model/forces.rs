@@ -235,11 +235,11 @@ macro_rules! registry {
             pub fn update_sensitivities<G: LieGroup<D, P>, const D: usize>(
                 &self,
                 at: &State<G, D, P>,
-                designs: &Designs<P>,
+                (designs, states): (&Designs<P>, &States<P>),
                 wanted: &[bool],
                 sensitivities: &mut Sensitivities<P>,
             ) {
-                $(self.$name.update_sensitivity(at, &designs.$name, wanted, &mut sensitivities.$name);)*
+                $(self.$name.update_sensitivity(at, &designs.$name, &states.$name, wanted, &mut sensitivities.$name);)*
             }
 
             pub fn add_parameter_work<G: LieGroup<D, P>, const D: usize>(

@@ -34,6 +34,8 @@ impl<const D: usize, const P: usize> Carried<D, P> {
 pub struct Adjoint<const D: usize, const P: usize> {
     /// World twist of each frame under the virtual motion λ.
     twists: Vec<Vector<D>>,
+    /// The same relative to the frame before.
+    own: Vec<Vector<D>>,
     /// Virtual velocity of each point.
     points: Vec<Vector<P>>,
     /// λ in blocks of coordinates.
@@ -69,6 +71,7 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         wanted.iter().for_each(|parameter| is_wanted[*parameter] = true);
         Self {
             twists: vec![Vector::ZERO; frames],
+            own: vec![Vector::ZERO; frames],
             points: vec![Vector::ZERO; points],
             blocks: model.coordinate_blocks.zeros(),
             wrench: vec![Vector::ZERO; frames],
@@ -116,7 +119,8 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
     ) {
         self.design_velocities.iter_mut().for_each(|velocity| velocity.update(model, data));
         let at = data.state(model, q, load);
-        model.forces.update_sensitivities(&at, &data.design.forces, &self.is_wanted, &mut self.forces);
+        let held = (&data.design.forces, &data.assembly.forces);
+        model.forces.update_sensitivities(&at, held, &self.is_wanted, &mut self.forces);
     }
 
     /// λᵀ ∂g/∂p from the prepared quantities, into `self.gradient`.
@@ -135,10 +139,16 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         let at = data.state(model, q, load);
         let held = (&data.design.forces, &data.assembly.forces);
         self.gradient.fill(0.0);
+        let parents = model.frames.iter().map(|frame| frame.parent);
+        self.own
+            .iter_mut()
+            .zip(&self.twists)
+            .zip(parents)
+            .for_each(|((own, twist), parent)| *own = *twist - self.twists[parent]);
         model.forces.add_parameter_work(&at, held, &self.forces, &motion, &mut self.gradient);
         for design_velocity in self.design_velocities.iter().filter(|velocity| velocity.acts) {
             let forces = model.forces.geometric_work(&at, held, &motion, &design_velocity.velocities());
-            let columns = design_velocity.column_work(model, data, &self.twists, &self.blocks);
+            let columns = design_velocity.column_work(model, data, &self.own, &self.blocks);
             self.gradient[design_velocity.parameter] += forces + columns;
         }
     }

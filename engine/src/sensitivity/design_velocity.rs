@@ -25,6 +25,8 @@ pub(super) struct DesignVelocity<const D: usize, const P: usize> {
     twists: Vec<Vector<D>>,
     /// Velocity of each point.
     points: Vec<Vector<P>>,
+    /// What the twist of each frame relative to the one before works as the columns that make it are carried along.
+    carried: Vec<Vector<D>>,
 }
 
 /// The kind of a geometric parameter.
@@ -57,8 +59,15 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
         let mut all = vec![];
         let mut push = |parameter: usize, kind| {
             if mask[parameter] {
-                let (twists, points) = (vec![Vector::ZERO; frames], vec![Vector::ZERO; points]);
-                all.push(Self { parameter, kind, acts: true, twists, points });
+                let [twists, carried] = [(); 2].map(|()| vec![Vector::ZERO; frames]);
+                all.push(Self {
+                    parameter,
+                    kind,
+                    acts: true,
+                    twists,
+                    points: vec![Vector::ZERO; points],
+                    carried,
+                });
             }
         };
         for (r, rod) in model.rods.iter().enumerate() {
@@ -146,30 +155,36 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
             }
             self.points[i] = velocity;
         }
+        let forces = &data.assembly.terms.frames;
+        for (f, frame) in model.frames.iter().enumerate().skip(1) {
+            // Half of the frame's own twist: the other half is in the curvature of its exponential.
+            let carrier = (self.twists[f] + self.twists[frame.parent]) * 0.5;
+            let acts = !frame.columns.is_empty() && forces.loaded[f];
+            self.carried[f] =
+                if acts { G::ad(&carrier).transpose_times(&forces.wrench[f]) } else { Vector::ZERO };
+        }
     }
 
     /// Σ_i λ_i w̄_i·dS_i: the columns are carried by the frames before them, and on the rod whose length or
     /// reference strain changes they change themselves.
     ///
-    /// The virtual motion is given by the twists of the frames and the coordinates in blocks.
+    /// The virtual motion is given by the twists of the frames relative to those before and the coordinates in blocks.
     pub fn column_work<G: LieGroup<D, P>>(
         &self,
         model: &Model<G, D, P>,
         data: &Data<G, D, P>,
-        motion: &[Vector<D>],
+        own: &[Vector<D>],
         blocks: &[Vector<LANES>],
     ) -> f64 {
         let frames = &data.assembly.terms.frames;
-        let mut work = 0.0;
+        let mut work = self.carried.iter().zip(own).map(|(wrench, twist)| wrench.dot(twist)).sum();
+        if !matches!(self.kind, Geometric::RodLength(_) | Geometric::RodReference(..)) {
+            return work;
+        }
         for (f, frame) in model.frames.iter().enumerate().skip(1) {
             if frame.columns.is_empty() || !frames.loaded[f] {
                 continue;
             }
-            let wrench = &frames.wrench[f];
-            let own = motion[f] - motion[frame.parent];
-            // Half of the frame's own twist: the other half is in the curvature of its exponential.
-            let carrier = (self.twists[f] + self.twists[frame.parent]) * 0.5;
-            work += wrench.dot(&(G::ad(&carrier) * own));
             let Motion::Strain(step) = frame.motion else { continue };
             if let Some(change) = strain_change(model, data, step, self.kind) {
                 let by_length = matches!(self.kind, Geometric::RodLength(_));

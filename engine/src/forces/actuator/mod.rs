@@ -335,6 +335,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &Paths,
+        _: &Tangents,
         _: &[bool],
         points: &mut Vec<PointSensitivity>,
     ) {

@@ -445,6 +445,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         &self,
         at: &State<G, D, P>,
         _: &FibreDesign,
+        _: &FibreState,
         wanted: &[bool],
         fibres: &mut FibreSensitivity,
     ) {

@@ -41,11 +41,13 @@ pub(super) fn by_points<const P: usize>(
     slopes
 }
 
-/// Its slope by one of the quantities in [`Change::explicit`].
-pub(super) fn by_explicit<const P: usize>(i: usize, change: impl Fn(&Change<P>) -> f64) -> f64 {
-    let mut explicit = [0.0; 6];
-    explicit[i] = 1.0;
-    change(&Change { relative: Vector::ZERO, axis: Vector::ZERO, explicit })
+/// Its slopes by the quantities in [`Change::explicit`].
+pub(super) fn by_explicit<T, const P: usize>(change: impl Fn(&Change<P>) -> T) -> [T; 6] {
+    std::array::from_fn(|i| {
+        let mut explicit = [0.0; 6];
+        explicit[i] = 1.0;
+        change(&Change { relative: Vector::ZERO, axis: Vector::ZERO, explicit })
+    })
 }
 
 /// Frames of the rod's point and of the link.

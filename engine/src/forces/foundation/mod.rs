@@ -215,7 +215,7 @@ impl Foundations {
         out.tied |= largest.tied;
         let change = |change: &Change<P>| weight * contact.change_of_pressure(change);
         out.add_points(at.tree, spheres(&contact), attached::by_points(&contact, change));
-        self.add_explicit(at, &contact, change, &mut out.parameters);
+        self.add_explicit(at, &contact, attached::by_explicit(change), &mut out.parameters);
     }
 
     /// Adds a multiple of the change of the force on the tip along a direction.
@@ -246,33 +246,44 @@ impl Foundations {
         velocity: &Vector<P>,
         gradient: &mut [f64],
     ) {
-        let length = self.0[contact.foundation].length;
-        gradient[length] += velocity.dot(&contact.gradient()) / at.parameters()[length];
-        let change = |change: &Change<P>| velocity.dot(&contact.change_of_gradient(change));
-        self.add_explicit(at, contact, change, gradient);
+        let slopes = attached::by_explicit(|change| contact.change_of_gradient(change));
+        self.add_work_with(at, contact, &slopes, velocity, gradient);
     }
 
-    /// Adds the slopes by every parameter, frames, points and the rod's length held, of what changes with a
-    /// contact in a given way.
+    /// The same, given the slopes of the contact's gradient by the quantities in [`Change::explicit`].
+    fn add_work_with<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+        contact: &ConeContact<P>,
+        slopes: &[Vector<P>; 6],
+        velocity: &Vector<P>,
+        gradient: &mut [f64],
+    ) {
+        let length = self.0[contact.foundation].length;
+        gradient[length] += velocity.dot(&contact.gradient()) / at.parameters()[length];
+        self.add_explicit(at, contact, slopes.map(|slope| velocity.dot(&slope)), gradient);
+    }
+
+    /// Adds the slopes by every parameter, frames, points and the rod's length held, of what has these slopes by the
+    /// quantities in [`Change::explicit`].
     fn add_explicit<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
         contact: &ConeContact<P>,
-        change: impl Fn(&Change<P>) -> f64,
+        slopes: [f64; 6],
         gradient: &mut [f64],
     ) {
         let (p, tree) = (at.parameters(), at.tree);
         let foundation = &self.0[contact.foundation];
         let cone = &foundation.cones[contact.cone];
-        let slope = |i: usize| attached::by_explicit(i, &change);
         for (sphere, i) in spheres(contact).into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
-            add_radius_slope(tree, p, tree.spheres[sphere].radius, slope(i), gradient);
+            add_radius_slope(tree, p, tree.spheres[sphere].radius, slopes[i], gradient);
         }
         for (slot, i) in foundation.stiffness_at(cone).into_iter().zip(STIFFNESS) {
-            gradient[slot] += slope(i);
+            gradient[slot] += slopes[i];
         }
         let point = contact.first - foundation.first.start;
-        let by_width = slope(WIDTH);
+        let by_width = slopes[WIDTH];
         gradient[foundation.half_width + point] += by_width;
         gradient[foundation.half_width_multiple + point] += by_width * at.geometry.radii[contact.first];
     }
@@ -335,7 +346,7 @@ impl<const P: usize> ForceMemory<P> for Foundations {
     type Design = ();
     /// The contacts.
     type State = Vec<ConeContact<P>>;
-    type Sensitivity = ();
+    type Sensitivity = Vec<[Vector<P>; 6]>;
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Foundations {
@@ -489,17 +500,31 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         });
     }
 
+    fn update_sensitivity(
+        &self,
+        _: &State<G, D, P>,
+        _: &(),
+        state: &Vec<ConeContact<P>>,
+        _: &[bool],
+        slopes: &mut Vec<[Vector<P>; 6]>,
+    ) {
+        slopes.clear();
+        slopes.extend(
+            state.iter().map(|contact| attached::by_explicit(|change| contact.change_of_gradient(change))),
+        );
+    }
+
     fn add_parameter_work(
         &self,
         at: &State<G, D, P>,
         _: &(),
         state: &Vec<ConeContact<P>>,
-        _: &(),
+        slopes: &Vec<[Vector<P>; 6]>,
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
     ) {
-        for contact in state {
-            self.add_work(at, contact, &relative(contact, at, motion), gradient);
+        for (contact, slopes) in state.iter().zip(slopes) {
+            self.add_work_with(at, contact, slopes, &relative(contact, at, motion), gradient);
         }
     }
 

@@ -103,11 +103,11 @@ impl StrapLoop {
         change: impl Fn(&Change<P>) -> f64,
         gradient: &mut [f64],
     ) {
-        let slope = |i: usize| attached::by_explicit(i, &change);
-        gradient[self.stiffness] += slope(STIFFNESS[0]);
-        gradient[self.rest_length] += slope(SURFACE);
+        let slopes = attached::by_explicit(change);
+        gradient[self.stiffness] += slopes[STIFFNESS[0]];
+        gradient[self.rest_length] += slopes[SURFACE];
         for (sphere, i) in self.spheres.into_iter().zip([SURFACE, RADII[0], RADII[1]]) {
-            add_radius_slope(at.tree, at.parameters(), at.tree.spheres[sphere].radius, slope(i), gradient);
+            add_radius_slope(at.tree, at.parameters(), at.tree.spheres[sphere].radius, slopes[i], gradient);
         }
     }
 
