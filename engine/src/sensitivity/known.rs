@@ -31,13 +31,15 @@ pub struct KnownEquilibria<'a> {
     pub cancel: Option<&'a dyn Cancel>,
 }
 
-/// Equilibria that a thread visits one after another.
-const CHUNK: usize = 8;
+/// Smallest and largest number of equilibria that a thread visits one after another in one workspace, and the number of
+/// such chunks beyond which they are not made smaller.
+const CHUNK: [usize; 2] = [8, 64];
+const CHUNKS: usize = 16;
 
 impl KnownEquilibria<'_> {
     /// Whether more than the calling thread would work on them.
     pub fn is_parallel(&self, threads: usize) -> bool {
-        threads != 1 && self.designs.len() > CHUNK
+        threads != 1 && self.designs.len() > CHUNK[0]
     }
 }
 
@@ -52,6 +54,23 @@ pub struct Derivatives {
     pub regularity: Vec<u8>,
 }
 
+impl Derivatives {
+    /// Sets a row to a combination of others; returns whether these have derivatives both ways.
+    fn combine(&mut self, row: usize, mut parts: impl Iterator<Item = (usize, f64)> + Clone) -> bool {
+        let rows = self.regularity.len();
+        for all in [&mut self.by_parameters, &mut self.by_loads] {
+            let width = all.len() / rows;
+            all[row * width..(row + 1) * width].fill(0.0);
+            for (part, factor) in parts.clone() {
+                for k in 0..width {
+                    all[row * width + k] += factor * all[part * width + k];
+                }
+            }
+        }
+        parts.all(|(part, _)| self.regularity[part] != Regularity::Tied as u8)
+    }
+}
+
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
     /// Differentiates sums of outputs at known equilibria, on `threads` threads (0: all there are).
     ///
@@ -62,9 +81,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         assert_eq!(known.q.len(), count * self.dof(), "coordinates");
         assert_eq!(known.applied.len(), count * self.inputs().len(), "loads");
         assert!(known.sums.is_sorted() && known.sums.iter().all(|s| *s < count), "equilibria of the sums");
+        let size = (count / CHUNKS).clamp(CHUNK[0], CHUNK[1]);
         let chunk =
-            |index: usize| self.differentiate_chunk(&known, index * CHUNK..((index + 1) * CHUNK).min(count));
-        let chunks = count.div_ceil(CHUNK);
+            |index: usize| self.differentiate_chunk(&known, index * size..((index + 1) * size).min(count));
+        let chunks = count.div_ceil(size);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let found: Vec<Derivatives> = match known.is_parallel(threads).then(|| pool.build().ok()).flatten() {
             Some(pool) => pool.install(|| (0..chunks).into_par_iter().map(chunk).collect()),
@@ -126,19 +146,40 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             }
             let regularity = Regularity::of(self, &system);
             adjoint.visit(self, &system);
-            for sum in own {
+            let weights = |sum: usize| &known.weights[sum * outputs..(sum + 1) * outputs];
+            for sum in own.clone() {
                 let row = sum - sums.start;
-                let both_ways = adjoint.differentiate(
-                    self,
-                    &system,
-                    &known.weights[sum * outputs..(sum + 1) * outputs],
-                    &mut found.by_parameters[row * width..(row + 1) * width],
-                    &mut found.by_loads[row * inputs..(row + 1) * inputs],
-                );
+                let both_ways = match combination(weights(sum), (own.start..sum).map(|k| (k, weights(k)))) {
+                    Some(parts) => {
+                        found.combine(row, parts.iter().map(|(k, factor)| (k - sums.start, *factor)))
+                    }
+                    None => adjoint.differentiate(
+                        self,
+                        &system,
+                        weights(sum),
+                        &mut found.by_parameters[row * width..(row + 1) * width],
+                        &mut found.by_loads[row * inputs..(row + 1) * inputs],
+                    ),
+                };
                 let tied = regularity == Regularity::Regular && !both_ways;
                 found.regularity[row] = if tied { Regularity::Tied } else { regularity } as u8;
             }
         }
         found
     }
+}
+
+/// Others with their factors, each of a single output, that add up to a sum; `None` if there are none.
+fn combination<'a>(
+    sum: &[f64],
+    others: impl Iterator<Item = (usize, &'a [f64])> + Clone,
+) -> Option<Vec<(usize, f64)>> {
+    let has_only = |weights: &[f64], output: usize| {
+        weights.iter().enumerate().all(|(k, w)| (*w != 0.0) == (k == output))
+    };
+    let of_output = |(output, weight): (usize, &f64)| {
+        let (k, weights) = others.clone().find(|(_, weights)| has_only(weights, output))?;
+        Some((k, weight / weights[output]))
+    };
+    sum.iter().enumerate().filter(|(_, weight)| **weight != 0.0).map(of_output).collect()
 }

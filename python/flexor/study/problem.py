@@ -36,8 +36,8 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-# Designs that are differentiated at a time: by all of the engine's parameters, which are many.
-_DIFFERENTIATED = 32
+# Derivatives by the engine's parameters, which may be many, that are held at a time.
+_HELD = 2_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,8 +263,11 @@ class Problem:
         evaluated = replace(evaluated, constraint_values=worst, violation=broken)
         evaluated.scatter(every, np.flatnonzero(valid))
         if gradient:
-            for first in range(0, len(paths), _DIFFERENTIATED):
-                part = np.arange(first, min(first + _DIFFERENTIATED, len(paths)))
+            numbers = len(self.model.joints) + 2 + len(self.constraints)
+            each = numbers * len(self.parameters.slots(self.model))
+            count = max(_HELD // max(each, 1), 1)
+            for first in range(0, len(paths), count):
+                part = np.arange(first, min(first + count, len(paths)))
                 rows = np.flatnonzero(valid)[part]
                 self._differentiate(paths[part], designs[rows], every, rows, threads)
         return every
