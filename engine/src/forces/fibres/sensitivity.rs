@@ -14,10 +14,9 @@ use crate::linalg::Vector;
 /// that of shear.
 type Slope = Vector<5>;
 
-/// Slopes of the work at one fibre.
+/// Slopes of the work at one fibre by the constants of its material.
 #[derive(Clone, Copy, Debug)]
-struct FibreSlopes {
-    by: FibreDerivatives<Slope>,
+struct MaterialSlopes {
     /// What its energy's derivatives by a constant make of virtual a and b, as slopes.
     virtual_: [Slope; 2],
     /// By its shear modulus.
@@ -51,7 +50,8 @@ struct Wanted {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct FibreSensitivity {
     points: Vec<PointSlopes>,
-    fibres: Vec<FibreSlopes>,
+    fibres: Vec<FibreDerivatives<Slope>>,
+    of_materials: Vec<MaterialSlopes>,
     by_constant: Vec<[f64; 2]>,
     /// For each material, whether a constant is wanted; for each section of each rod.
     materials: Vec<bool>,
@@ -97,6 +97,7 @@ impl FibreSections {
         let p = at.parameters();
         out.points.clear();
         out.fibres.clear();
+        out.of_materials.clear();
         out.by_constant.clear();
         for (r, fibre_rod) in self.rods.iter().enumerate() {
             let rod = &at.tree.rods[fibre_rod.rod];
@@ -119,16 +120,13 @@ impl FibreSections {
                     let fibre = self.materials[m].fibre(n, s);
                     let wall = fibre.wall([strain[3], strain[1], strain[2]], length);
                     let energy = self.energy(m, p, wall, out);
-                    let slopes = self.slopes(
-                        m,
-                        p,
-                        fibre,
-                        &energy,
-                        (section, series, gauss.weight, length),
-                        &mut point,
-                    );
-                    point.radius = point.radius + slopes.by.by_radius(n, s);
-                    out.fibres.push(slopes);
+                    let place = (section, series, gauss.weight, length);
+                    let (by, of_material) = self.slopes(m, p, fibre, &energy, place, &mut point);
+                    point.radius += by.by_radius(n, s);
+                    out.fibres.push(by);
+                    if out.materials[m] {
+                        out.of_materials.push(of_material);
+                    }
                 }
                 out.points.push(point);
             }
@@ -144,7 +142,7 @@ impl FibreSections {
         energy: &FibreEnergy,
         (section, series, weight, length): (&FibreSection, Series, f64, f64),
         point: &mut PointSlopes,
-    ) -> FibreSlopes {
+    ) -> (FibreDerivatives<Slope>, MaterialSlopes) {
         let Fibre { y, z, area, stretch, centre, .. } = fibre;
         let FibreEnergy { first, second: [aa, ab, bb], by_ratio } = *energy;
         let material = &self.materials[material];
@@ -184,7 +182,7 @@ impl FibreSections {
             ratio: (virtual_a * by_ratio[0] + virtual_b * by_ratio[1]) * area,
         };
         let modulus = TWIST * (area * torsion * polar) + SHEAR * series_by_modulus;
-        FibreSlopes { by, virtual_: [virtual_a * area, virtual_b * area], modulus }
+        (by, MaterialSlopes { virtual_: [virtual_a * area, virtual_b * area], modulus })
     }
 
     /// The energy of a fibre; appends its derivatives by constants where these are wanted.
@@ -233,8 +231,10 @@ impl FibreSections {
         gradient: &mut [f64],
     ) {
         let p = at.parameters();
-        let FibreSensitivity { points, fibres, by_constant, materials, sections, .. } = sensitivity;
-        let (mut points, mut fibres, mut by_constant) = (points.iter(), fibres.iter(), by_constant.iter());
+        let FibreSensitivity { points, fibres, of_materials, by_constant, materials, sections, .. } =
+            sensitivity;
+        let (mut points, mut fibres) = (points.iter(), fibres.iter());
+        let (mut of_materials, mut by_constant) = (of_materials.iter(), by_constant.iter());
         for (fibre_rod, wanted) in self.rods.iter().zip(sections) {
             let rod = &at.tree.rods[fibre_rod.rod];
             let length = p[rod.length];
@@ -269,7 +269,7 @@ impl FibreSections {
                 gradient[rod.length] += point.length.dot(&motion);
                 gradient[radius] += point.radius.dot(&motion);
                 for (index, (m, n)) in numbers(section, p).enumerate() {
-                    let Some(FibreSlopes { by, virtual_, modulus }) = fibres.next() else { return };
+                    let Some(by) = fibres.next() else { return };
                     if wanted.fibres[index] {
                         let first = section.fibres + NUMBERS * index;
                         let by = by.map(|slope| slope.dot(&motion));
@@ -278,6 +278,7 @@ impl FibreSections {
                     if !materials[m] {
                         continue;
                     }
+                    let Some(MaterialSlopes { virtual_, modulus }) = of_materials.next() else { return };
                     let material = &self.materials[m];
                     let constants = &p[material.constants.clone()];
                     let (by_modulus, [a, b]) =
