@@ -189,10 +189,10 @@ def differentiate(
         # A design occurs once in each part.
         unsorted, first = np.argsort(order), 0
         for each in owners:
-            rows = unsorted[first : first + len(each)]
+            own = unsorted[first : first + len(each)]
             first += len(each)
-            by_slots[of[rows], owner[rows]] += slopes["by_parameters"][rows]
-            by_loads[of[rows], owner[rows], at[rows]] += slopes["by_loads"][rows]
+            by_slots[of[own], owner[own]] += slopes["by_parameters"][own]
+            by_loads[of[own], owner[own], at[own]] += slopes["by_loads"][own]
         np.minimum.at(rank, (of, owner), _RANK[slopes["regularity"]])
     by_slots[rank == 0], by_loads[rank == 0] = np.nan, np.nan
     return Derivatives(by_slots, by_loads, np.array(_ORDER, dtype=object)[rank])
