@@ -155,6 +155,9 @@ def test_progress_tells_the_best_and_what_remains(analytic: ModuleType) -> None:
         ({"bounds": {"R_1": (0.004, 0.007)}}, "the model's own exosuit as start of L+R01: R_1"),
         ({"budget": 0}, "budget is 0: it must be at least 1"),
         ({"resume": True}, "resuming a study needs its folder"),
+        ({"method": 3}, "method is 3: it must be the name of a method"),
+        ({"subject_to": [3]}, "subject_to has 3: each must be a text"),
+        ({"without": 3}, "without is 3: it must be a sequence of texts"),
         ({"method": PatternSearch(), "method_options": {"starts": 2}}, "given with its name"),
     ],
 )

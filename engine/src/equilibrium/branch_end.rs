@@ -104,7 +104,7 @@ impl<const D: usize, const P: usize> PlaneSolver<'_, D, P> {
         self.plane.distance = at;
         let point = self.solve_straight(system, near, at, target);
         let stiff = system.model().has_switches() || system.model().has_springs();
-        if point.is_some() || !stiff || system.is_projected() {
+        if point.is_some() || !stiff || system.is_projected() || system.budget.exhausted().is_some() {
             return point;
         }
         self.solve_mixed(system, near, at, target)
@@ -370,6 +370,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         // Part of the way to the next state, less where none was found.
         let mut part = 1.0;
         for _ in 0..self.options.locate.max_points {
+            if self.system.budget.exhausted().is_some() {
+                return BranchAhead::Unknown;
+            }
             let span = high.at - low.at;
             // The load where the tangents meet is an upper bound on a concave branch.
             let meet = (high.load - low.load - high.slope * span) / (low.slope - high.slope);

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from flexor.constraints.defaults import default_constraints
 from flexor.errors import InputError, unknown_name
 from flexor.model.results import Paths
 from flexor.model.structure import Structure
+from flexor.model.validation import describe
 
 ALL = "defaults"
 
@@ -38,9 +39,7 @@ def chosen_constraints(
     InputError
         If a constraint cannot be read or there is no default of a name.
     """
-    # One text is one constraint, or one name.
-    subject_to = [subject_to] if isinstance(subject_to, str) else subject_to
-    without = [without] if isinstance(without, str) else without
+    subject_to, without = _texts("subject_to", subject_to), _texts("without", without)
     asked = tuple(constraint(text, model) for text in subject_to)
     every = default_constraints(model) if defaults or without else ()
     names = [each.default for each in every]
@@ -58,6 +57,17 @@ def chosen_constraints(
         and (each.name, each.sense) not in replaced
     ]
     return (*kept, *asked)
+
+
+def _texts(what: str, given: object) -> tuple[str, ...]:
+    """Return the texts in a sequence; one text is one."""
+    found = [given] if isinstance(given, str) else given
+    if not isinstance(found, Iterable) or isinstance(found, Mapping):
+        raise InputError(f"{what} is {describe(given)}: it must be a sequence of texts.")
+    for each in (texts := tuple(found)):
+        if not isinstance(each, str):
+            raise InputError(f"{what} has {describe(each)}: each must be a text.")
+    return texts
 
 
 def joined_constraints(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from flexor.errors import InputError, unknown_name
 from flexor.model.reading import with_changes
+from flexor.model.validation import describe
 from flexor.model.variants import changes as changes_of
 from flexor.model.variants import leaf_keys, leaves
 
@@ -80,11 +81,18 @@ def scenarios(given: Given, model: Model) -> tuple[Scenario, ...]:
     """
     if not given:
         return ()
+    if not isinstance(given, (str, Mapping, Iterable)):
+        raise InputError(
+            f"scenarios is {describe(given)}: it must be names of variants or a table of weights."
+        )
     if isinstance(given, Mapping):
         pairs: list[Any] = list(given.items())
     else:
         texts = given.split(",") if isinstance(given, str) else given
         pairs = [_pair(each) if isinstance(each, str) else each for each in texts]
+        for each in pairs:
+            if not isinstance(each, (tuple, Scenario)):
+                raise InputError(f"scenarios has {describe(each)}: each must be a name.")
     known = model.variants
     found: dict[str, Scenario] = {}
     for each in pairs:

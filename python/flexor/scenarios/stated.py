@@ -45,6 +45,8 @@ def tolerances(
         If there is no such field, two are for one field, or an error has no unit, one of another
         kind, or is not above 0.
     """
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError(f"{source} is {describe(given)}: it must be a table of errors by field.")
     found: dict[tuple[str, ...], Tolerance] = {}
     for name, value in _with_splines(given or {}, chosen, model, source):
         size, kind = split(value, f"{source}: {name}")

@@ -16,6 +16,7 @@ from flexor.arguments import check_callable, integer
 from flexor.design import ParameterSet
 from flexor.design.start import starts
 from flexor.errors import InputError
+from flexor.model.validation import describe
 from flexor.objectives import Objective
 from flexor.optimizers import (
     Auto,
@@ -190,6 +191,11 @@ def optimize(
         search = named_method(method, **(method_options or {}))
     elif method_options:
         raise InputError("options of a method are given with its name, not with a ready method.")
+    elif not callable(getattr(method, "minimize", None)):
+        raise InputError(
+            f"method is {describe(method)}: it must be the name of a method or one of "
+            "flexor.optimizers."
+        )
     else:
         search = method
     check_objectives(search, problem.objective)
