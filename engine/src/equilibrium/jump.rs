@@ -1,8 +1,8 @@
 //! Beyond the end of a branch: the next stable equilibrium, and the kind of event that leads to it.
 
-use super::branch_end::{BranchAhead, is_stable};
 use super::continuation::{Continuation, LoadStep};
 use super::path::{Event, EventKind, PathSink};
+use super::planes::{BranchAhead, is_stable};
 use super::status::Status;
 use super::step_control::StepControl;
 use super::vector::{dot, max_norm, norm};

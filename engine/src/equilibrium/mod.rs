@@ -39,6 +39,7 @@ mod option_info;
 mod options;
 mod passage;
 mod path;
+mod planes;
 mod point_motion;
 mod predictor;
 mod projection;
