@@ -54,8 +54,8 @@ class Terms:
 
     powers: Powers  # (t, k)
     order: tuple[int, ...]  # in which the variables are multiplied
-    width: int  # number of columns
-    # The first terms of all columns, their second terms and so on: which columns have one, which
+    columns: NDArray[np.intp]  # (m,), the columns that have a term
+    # The first terms of all of these, their second terms and so on: which of them have one, which
     # it is, and its coefficient.
     steps: tuple[tuple[NDArray[np.intp], NDArray[np.intp], Array], ...]
 
@@ -64,7 +64,6 @@ class Terms:
         cls,
         sets: Sequence[tuple[NDArray[np.intp], Powers, Array]],
         order: Sequence[int],
-        width: int,
     ) -> Terms:
         """Arrange sets of columns (m,), powers (c, k) and coefficients (c, m)."""
         every = [powers for _, powers, _ in sets]
@@ -81,14 +80,16 @@ class Terms:
                     np.concatenate([sets[i][2][step] for i in there]),
                 )
             )
-        return cls(powers, tuple(order), width, tuple(steps))
+        columns = np.unique(np.concatenate([np.zeros(0, np.intp), *(step[0] for step in steps)]))
+        placed = [(np.searchsorted(columns, each), which, of) for each, which, of in steps]
+        return cls(powers, tuple(order), columns, tuple(placed))
 
     def sums(self, factors: Array) -> Array:
-        """Return the sum in each column, (n, width), for factors (n, k, degrees) of the terms."""
+        """Return the sum in each of the columns, (n, m), for factors (n, k, degrees)."""
         terms = np.ones((len(factors), len(self.powers)))
         for variable in self.order:
             terms *= factors[:, variable, self.powers[:, variable]]
-        found = np.zeros((len(factors), self.width))
+        found = np.zeros((len(factors), len(self.columns)))
         # Term by term: a design must not depend on its neighbours in the batch.
         for columns, which, coefficients in self.steps:
             found[:, columns] += terms[:, which] * coefficients

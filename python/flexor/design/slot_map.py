@@ -121,7 +121,8 @@ class SlotMap:
         for variable, terms in enumerate(self._terms[1:]):
             factors = values.copy()
             factors[:, variable] = slopes[:, variable]
-            found[..., variable] = outer * terms.sums(factors) / self.half[variable]
+            own = terms.columns
+            found[:, own, variable] = outer[:, own] * terms.sums(factors) / self.half[variable]
         for column, below in self.quotients:
             rise = found[:, column] - here[:, column, None] * found[:, below]
             found[:, column] = rise / here[:, below, None]
@@ -131,7 +132,8 @@ class SlotMap:
 
     def _evaluate(self, values: Array) -> Array:
         """Return all columns but rest lengths for Legendre polynomials (n, k, degrees)."""
-        found = self._terms[0].sums(values)
+        found = np.zeros((len(values), len(self.every) + len(self.quotients)))
+        found[:, self._terms[0].columns] = self._terms[0].sums(values)
         for form, columns in self._forms.items():
             found[:, columns] = FORMS[form][1](found[:, columns])
         for column, below in self.quotients:
@@ -156,10 +158,10 @@ class SlotMap:
     @cached_property
     def _terms(self) -> list[Terms]:
         """Terms of the polynomials, and those that depend on each of the variables."""
-        width, k = len(self.every) + len(self.quotients), len(self.half)
+        k = len(self.half)
         orders = [range(k), *(sorted(range(k), key=i.__ne__) for i in range(k))]
         varied = [self.fits, *([fit.depending(i) for fit in self.fits] for i in range(k))]
         return [
-            Terms.of([(f.columns, f.powers, f.coefficients) for f in fits], order, width)
+            Terms.of([(f.columns, f.powers, f.coefficients) for f in fits], order)
             for fits, order in zip(varied, orders, strict=True)
         ]
