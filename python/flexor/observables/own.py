@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,7 @@ _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
 def made(
-    name: str, function: Callable[[Any], ArrayLike], unit: str, text: str, taken: object
+    name: str, function: Callable[[Any], ArrayLike], unit: str, text: str, taken: Collection[str]
 ) -> Observable:
     """Make an observable of a function and keep it by its name; see `custom`."""
     if not isinstance(name, str) or not _NAME.fullmatch(name):
@@ -31,7 +31,7 @@ def made(
             f"observable {name!r}: its name must be of small letters, digits and single hyphens, "
             'such as "pinch-span".'
         )
-    if name in taken:  # type: ignore[operator]
+    if name in taken:
         raise InputError(f'observable "{name}": Flexor has one of this name; choose another.')
     check_callable(f'the function of observable "{name}"', function)
     dimension, shown = None, (1.0, "")

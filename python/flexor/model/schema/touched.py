@@ -55,8 +55,9 @@ def lower_touch(
     body = system.bodies[name]
     materials = skin_materials(system)
     if isinstance(body, Link):
-        count = len(_stations(name, system))
-        weights, caps = np.full(count, 1.0 / (count - 2)), np.zeros(count)
+        inner = _points(name, body, system)
+        count = inner + 2
+        weights, caps = np.full(count, 1.0 / inner), np.zeros(count)
         weights[[0, -1]] = 0.0
         caps[[0, -1]] = END * np.array(_free_ends(name, system))
         shape = {
@@ -86,11 +87,16 @@ def lower_touch(
 def _stations(name: str, system: BodySystem) -> list[dict[str, Any]]:
     body = system.bodies[name]
     if isinstance(body, Link):
-        reach = system.pressing[name] + min(body.radius.base, body.radius.tip)
-        count = max(MIN_POINTS, math.ceil(min(body.length / reach, MAX_POINTS)))
+        count = _points(name, body, system)
         middles = ((np.arange(count) + 0.5) / count).tolist()
         return [{"fraction": f} for f in (0.0, *middles, 1.0)]
     return [{"point": k} for k in range(body.sample_count)]
+
+
+def _points(name: str, link: Link, system: BodySystem) -> int:
+    """Return at how many points contact is integrated along a link."""
+    reach = system.pressing[name] + min(link.radius.base, link.radius.tip)
+    return max(MIN_POINTS, math.ceil(min(link.length / reach, MAX_POINTS)))
 
 
 def _free_ends(name: str, system: BodySystem) -> tuple[bool, bool]:
