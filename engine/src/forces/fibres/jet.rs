@@ -137,6 +137,13 @@ impl Number<f64> for Jet {
     }
 }
 
+impl<T: Default> From<T> for MixedJet<T> {
+    /// A function that does not depend on the parameter.
+    fn from(value: T) -> Self {
+        Self { value, by_parameter: T::default() }
+    }
+}
+
 impl<T: Number<f64>> Add for MixedJet<T> {
     type Output = Self;
     fn add(self, other: Self) -> Self {

@@ -1,7 +1,7 @@
 //! Functions of two numbers with their first and second derivatives.
 
 use super::elementary;
-use super::jet::{Jet, Number};
+use super::jet::Number;
 use crate::linalg::fma;
 use std::ops::{Add, Mul, Sub};
 
@@ -25,13 +25,6 @@ impl Jet2 {
         let d = self.first;
         let second = |k: usize| fma(f2 * d[PAIRS[k].0], d[PAIRS[k].1], f1 * self.second[k]);
         Self { value: f, first: [f1 * d[0], f1 * d[1]], second: [second(0), second(1), second(2)] }
-    }
-}
-
-impl From<Jet> for Jet2 {
-    /// A function of a alone.
-    fn from(jet: Jet) -> Self {
-        Self { value: jet.value, first: [jet.first, 0.0], second: [jet.second, 0.0, 0.0] }
     }
 }
 

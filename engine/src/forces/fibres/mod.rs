@@ -190,8 +190,7 @@ impl FibreSections {
         let bend = [strain[1] / length, strain[2] / length];
         // By a and b, and by P (see `wall.rs`).
         let (by, by_ratio) = if self.materials[material].moves() {
-            let [along, _] = fibre.wall([strain[3], strain[1], strain[2]], length).mixed(true);
-            (along.value.first, along.by_parameter.value)
+            fibre.wall([strain[3], strain[1], strain[2]], length).stretch_slopes()
         } else {
             ([1.0; 2], 0.0)
         };

@@ -3,7 +3,7 @@
 
 use super::description::{Fibre, FibreDerivatives, symmetric};
 use super::jet::{Constant, Jet, MixedJet};
-use super::stretches::{Free, Hooped};
+use super::stretches::{Free, Hooped, Logarithmic};
 use super::wall::Wall;
 use super::{FibreSection, FibreSections, Law, NUMBERS, Series, length_power, numbers, strains};
 use crate::forces::state::State;
@@ -119,7 +119,10 @@ impl FibreSections {
                 for (m, n) in numbers(section, p) {
                     let fibre = self.materials[m].fibre(n, s);
                     let wall = fibre.wall([strain[3], strain[1], strain[2]], length);
-                    let energy = self.energy(m, p, wall, out);
+                    let energy = self.energy(m, p, wall);
+                    if out.materials[m] {
+                        self.add_by_constants(m, p, wall, out);
+                    }
                     let place = (section, series, gauss.weight, length);
                     let (by, of_material) = self.slopes(m, p, fibre, &energy, place, &mut point);
                     point.radius += by.by_radius(n, s);
@@ -185,41 +188,46 @@ impl FibreSections {
         (by, MaterialSlopes { virtual_: [virtual_a * area, virtual_b * area], modulus })
     }
 
-    /// The energy of a fibre; appends its derivatives by constants where these are wanted.
-    fn energy(&self, material: usize, p: &[f64], wall: Wall, out: &mut FibreSensitivity) -> FibreEnergy {
-        let by_constants = out.materials[material];
+    /// The energy of a fibre.
+    fn energy(&self, material: usize, p: &[f64], wall: Wall) -> FibreEnergy {
         let material = &self.materials[material];
         let constants = &p[material.constants.clone()];
-        let moves = material.moves();
-        let linear = material.law == Law::Linear;
-        let modulus = if linear { Law::modulus(constants, material.wound) } else { [0.0; 3] };
-        let FibreSensitivity { by_constant, seeded, .. } = out;
-        let mut evaluate = |seed: Seed| {
-            seeded.clear();
-            if linear {
-                let by_parameter = if let Seed::Constant(k) = seed { modulus[k + 1] } else { 0.0 };
-                seeded.push(Constant { value: modulus[0], by_parameter });
-            } else {
-                let by = |k: usize| f64::from(u8::from(seed == Seed::Constant(k)));
-                let all = constants.iter().enumerate();
-                seeded.extend(all.map(|(k, value)| Constant { value: *value, by_parameter: by(k) }));
-            }
-            if moves {
-                let [stretch, hoop] = wall.mixed(seed == Seed::Ratio);
-                return material.law.energy(seeded, Hooped::new(stretch, hoop));
-            }
-            let stretch = Jet { value: wall.stretch(), first: 1.0, second: 0.0 };
-            let stretch = MixedJet { value: stretch, by_parameter: Jet::default() };
-            let w = material.law.energy(seeded, Free(stretch));
-            MixedJet { value: w.value.into(), by_parameter: w.by_parameter.into() }
+        if material.moves() {
+            let w = material.law.energy(constants, Logarithmic { along: wall.stretch(), hoop: wall.hoop });
+            let (first, second) = wall.chained(w.first, w.second);
+            return FibreEnergy { first, second, by_ratio: wall.by_ratio(w.first, w.second) };
+        }
+        let stretch = Jet { value: wall.stretch(), first: 1.0, second: 0.0 };
+        let w = match material.law {
+            Law::Linear => Law::Linear.energy(&Law::modulus(constants, material.wound)[..1], Free(stretch)),
+            law => law.energy(constants, Free(stretch)),
         };
-        let by_ratio = evaluate(Seed::Ratio);
-        let count = if by_constants { constants.len() } else { 0 };
-        by_constant.extend((0..count).map(|k| evaluate(Seed::Constant(k)).by_parameter.first));
-        FibreEnergy {
-            first: by_ratio.value.first,
-            second: by_ratio.value.second,
-            by_ratio: by_ratio.by_parameter.first,
+        FibreEnergy { first: [w.first, 0.0], second: [w.second, 0.0, 0.0], by_ratio: [0.0; 2] }
+    }
+
+    /// Appends the derivatives of `FibreEnergy::first` by the constants of the fibre's material.
+    fn add_by_constants(&self, material: usize, p: &[f64], wall: Wall, out: &mut FibreSensitivity) {
+        let material = &self.materials[material];
+        let constants = &p[material.constants.clone()];
+        if material.law == Law::Linear {
+            let [_, by_modulus @ ..] = Law::modulus(constants, material.wound);
+            out.by_constant.extend(by_modulus.map(|by| [by * (wall.stretch() - 1.0), 0.0]));
+            return;
+        }
+        for k in 0..constants.len() {
+            let seed = |(i, value): (usize, &f64)| Constant {
+                value: *value,
+                by_parameter: f64::from(u8::from(i == k)),
+            };
+            out.seeded.clear();
+            out.seeded.extend(constants.iter().enumerate().map(seed));
+            out.by_constant.push(if material.moves() {
+                let [along, hoop] = wall.jets().map(MixedJet::from);
+                material.law.energy(&out.seeded, Hooped::new(along, hoop)).by_parameter.first
+            } else {
+                let stretch = Jet { value: wall.stretch(), first: 1.0, second: 0.0 };
+                [material.law.energy(&out.seeded, Free(MixedJet::from(stretch))).by_parameter.first, 0.0]
+            });
         }
     }
 
@@ -298,10 +306,3 @@ const BEND_Y: Slope = Vector([0.0, 1.0, 0.0, 0.0, 0.0]);
 const BEND_Z: Slope = Vector([0.0, 0.0, 1.0, 0.0, 0.0]);
 const TWIST: Slope = Vector([0.0, 0.0, 0.0, 1.0, 0.0]);
 const SHEAR: Slope = Vector([0.0, 0.0, 0.0, 0.0, 1.0]);
-
-/// The parameter that a derivative is with respect to.
-#[derive(Clone, Copy, PartialEq)]
-enum Seed {
-    Ratio,
-    Constant(usize),
-}

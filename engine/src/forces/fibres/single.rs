@@ -21,10 +21,7 @@ impl Law {
                 by_parameter: f64::from(u8::from(i == k)),
             };
             let seeded: Vec<Constant> = constants.iter().enumerate().map(seed).collect();
-            let stretch = MixedJet {
-                value: Jet { value: stretch, first: 1.0, second: 0.0 },
-                by_parameter: Jet::default(),
-            };
+            let stretch = MixedJet::from(Jet { value: stretch, first: 1.0, second: 0.0 });
             let w =
                 if wound { self.energy(&seeded, Kept(stretch)) } else { self.energy(&seeded, Free(stretch)) };
             w.by_parameter.first

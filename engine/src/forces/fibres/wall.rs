@@ -12,7 +12,6 @@
 //!
 //! and the stretch across the wall is 1/(λh). Without bending h² = P² − (P² − 1)/a.
 
-use super::jet::MixedJet;
 use super::jet2::Jet2;
 use crate::linalg::fma;
 
@@ -111,7 +110,7 @@ impl Wall {
 
     /// λ and h with their derivatives with respect to a and b.
     #[inline(always)]
-    fn jets(&self) -> [Jet2; 2] {
+    pub fn jets(&self) -> [Jet2; 2] {
         let Self { b, ratio, hoop: h, .. } = *self;
         let slope = (2.0 * h * self.stretch()).recip();
         let (square, outer) = (h * h, ratio * ratio);
@@ -153,27 +152,38 @@ impl Wall {
         ([by(u_a, v_a), by(u_b, v_b)], [bent(a, a, rest[0]), bent(a, b, rest[1]), bent(b, b, rest[2])])
     }
 
-    /// As `jets`, with their derivatives with respect to P if that is the parameter; of these not the second
-    /// derivatives.
-    pub fn mixed(&self, by_ratio: bool) -> [MixedJet<Jet2>; 2] {
+    /// Derivatives with respect to P of the first ones that `chained` makes of the same.
+    #[inline(always)]
+    pub fn by_ratio(&self, first: [f64; 2], [uu, uv, vv]: [f64; 3]) -> [f64; 2] {
         let [along, hoop] = self.jets();
-        let mut by_parameter = [Jet2::default(); 2];
-        if by_ratio {
-            let Self { a, b, ratio, hoop: h } = *self;
-            let slope = (2.0 * h * self.stretch()).recip();
-            let change = slope * 2.0 * ratio * (a + b * ratio - 1.0);
-            let first = [
-                slope * (2.0 * ratio - change * (2.0 * h + self.bend() * hoop.first[0])),
-                slope * (2.0 * ratio * ratio - change * (2.0 * h * h + self.bend() * hoop.first[1])),
-            ];
-            let of_along = [b * first[0], change + b * first[1]];
-            by_parameter = [
-                Jet2 { value: b * change, first: of_along, ..Jet2::default() },
-                Jet2 { value: change, first, ..Jet2::default() },
-            ];
-        }
-        let [of_along, of_hoop] = by_parameter;
-        [MixedJet { value: along, by_parameter: of_along }, MixedJet { value: hoop, by_parameter: of_hoop }]
+        let (change, of_hoop) = self.hoop_by_ratio(hoop);
+        let of_along = [self.b * of_hoop[0], fma(self.b, of_hoop[1], change)];
+        let (r_u, r_v) = (along.value.recip(), hoop.value.recip());
+        let (u, v) = (self.b * change * r_u, change * r_v);
+        let force = [fma(uu, u, uv * v), fma(uv, u, vv * v)];
+        [0, 1].map(|k| {
+            let (u_k, v_k) = (along.first[k], hoop.first[k]);
+            let of_u = fma(force[0], u_k, first[0] * fma(-u, u_k, of_along[k]));
+            let of_v = fma(force[1], v_k, first[1] * fma(-v, v_k, of_hoop[k]));
+            fma(of_u, r_u, of_v * r_v)
+        })
+    }
+
+    /// Derivatives of λ with respect to a and b, and to P.
+    pub fn stretch_slopes(&self) -> ([f64; 2], f64) {
+        let [along, hoop] = self.jets();
+        (along.first, self.b * self.hoop_by_ratio(hoop).0)
+    }
+
+    /// The derivative of h with respect to P, and its own with respect to a and b.
+    #[inline(always)]
+    fn hoop_by_ratio(&self, hoop: Jet2) -> (f64, [f64; 2]) {
+        let Self { a, b, ratio, hoop: h } = *self;
+        let (slope, bend) = ((2.0 * h * self.stretch()).recip(), self.bend());
+        let change = slope * 2.0 * ratio * (a + b * ratio - 1.0);
+        let by_a = slope * (2.0 * ratio - change * fma(bend, hoop.first[0], 2.0 * h));
+        let by_b = slope * (2.0 * ratio * ratio - change * fma(bend, hoop.first[1], 2.0 * h * h));
+        (change, [by_a, by_b])
     }
 }
 
