@@ -50,9 +50,6 @@ pub struct State {
     pub tangent: Vec<f64>,
     pub lengths: Vec<f64>,
     pub volumes: Vec<f64>,
-    pub tensions: Vec<f64>,
-    pub obstacles: Vec<f64>,
-    pub loops: Vec<f64>,
     pub tendons: Tendons,
     /// −1 for a material that nothing is made of.
     pub stretch_frames: Vec<[i64; 2]>,
@@ -95,9 +92,6 @@ impl AnyModel {
             data.volumes(model, q, &mut volumes);
             State {
                 volumes,
-                tensions: data.spring_tensions(model),
-                obstacles: data.obstacle_forces(model),
-                loops: data.loop_tensions(model),
                 tendons: Tendons {
                     lengths: data.tendon_lengths(model),
                     tensions: data.tendon_tensions(model, load),

@@ -148,24 +148,6 @@ impl Model {
         Ok(self.state(&parameters, &q, None)?.volumes.into_pyarray(py))
     }
 
-    fn spring_tensions<'py>(
-        &self,
-        py: Python<'py>,
-        parameters: Numbers<'_>,
-        q: Numbers<'_>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(self.state(&parameters, &q, None)?.tensions.into_pyarray(py))
-    }
-
-    fn loop_tensions<'py>(
-        &self,
-        py: Python<'py>,
-        parameters: Numbers<'_>,
-        q: Numbers<'_>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(self.state(&parameters, &q, None)?.loops.into_pyarray(py))
-    }
-
     /// Length of each tendon.
     fn tendon_lengths<'py>(
         &self,
@@ -202,15 +184,6 @@ impl Model {
     /// Places along each tendon, branch by branch.
     fn tendon_paths(&self, parameters: Numbers<'_>, q: Numbers<'_>) -> PyResult<Vec<Vec<Vec<[f64; 3]>>>> {
         Ok(self.state(&parameters, &q, None)?.tendons.paths)
-    }
-
-    fn obstacle_forces<'py>(
-        &self,
-        py: Python<'py>,
-        parameters: Numbers<'_>,
-        q: Numbers<'_>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        Ok(self.state(&parameters, &q, None)?.obstacles.into_pyarray(py))
     }
 
     /// Frames where each material is stretched least and most; −1 where it is not.
@@ -571,6 +544,8 @@ impl Model {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (inputs, dof) = on_model!(&self.inner, m => (m.inputs().len(), m.dof()));
         let (volumes, materials) = on_model!(&self.inner, m => (m.pressure_count(), m.material_count()));
+        let (springs, loops, obstacles) =
+            on_model!(&self.inner, m => (m.spring_count(), m.loop_count(), m.obstacle_count()));
         let rods = on_model!(&self.inner, m => m.rod_count());
         let [designs, steps] = shape;
         let out = PyDict::new(py);
@@ -598,6 +573,9 @@ impl Model {
             ("applied", found.applied, inputs),
             ("volume", found.volume, volumes),
             ("rod_bending", found.rod_bending, rods),
+            ("spring_tension", found.spring_tension, springs),
+            ("loop_tension", found.loop_tension, loops),
+            ("obstacle_force", found.obstacle_force, obstacles),
         ] {
             out.set_item(name, values.into_pyarray(py).reshape([designs, steps, width])?)?;
         }

@@ -250,8 +250,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     }
 
     /// Tension of each spring [N] at the last state evaluated.
-    pub fn spring_tensions(&self, model: &Model<G, D, P>) -> Vec<f64> {
-        model.forces.springs.tensions(&self.state(model, &[], &[]))
+    pub fn spring_tensions(&self, model: &Model<G, D, P>, out: &mut [f64]) {
+        model.forces.springs.tensions(&self.state(model, &[], &[]), out);
     }
 
     /// Length of each tendon [m] at the last state evaluated.
@@ -275,13 +275,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     }
 
     /// Tension of each strap around a link [N] at the last state evaluated.
-    pub fn loop_tensions(&self, model: &Model<G, D, P>) -> Vec<f64> {
-        model.forces.loops.tensions(&self.assembly.forces.loops)
+    pub fn loop_tensions(&self, model: &Model<G, D, P>, out: &mut [f64]) {
+        model.forces.loops.tensions(&self.assembly.forces.loops, out);
     }
 
     /// Sum of the normal forces on each obstacle [N] at the last state evaluated.
-    pub fn obstacle_forces(&self, model: &Model<G, D, P>) -> Vec<f64> {
-        model.forces.obstacles.forces(&self.assembly.forces.obstacles)
+    pub fn obstacle_forces(&self, model: &Model<G, D, P>, out: &mut [f64]) {
+        model.forces.obstacles.forces(&self.assembly.forces.obstacles, out);
     }
 
     /// Least and greatest stretch of the fibres of each material at the state `q`; NaN where there are

@@ -43,6 +43,12 @@ pub struct PathResults {
     pub stretch: Vec<f64>,
     /// Angle between both ends of each rod.
     pub rod_bending: Vec<f64>,
+    /// Tension of each spring [N].
+    pub spring_tension: Vec<f64>,
+    /// Tension of each strap around a link [N].
+    pub loop_tension: Vec<f64>,
+    /// Sum of the normal forces on each obstacle [N].
+    pub obstacle_force: Vec<f64>,
     /// What each tie does to its second place, seven numbers: force [N] and moment about the place [N·m] in
     /// the world, and the force or moment that drives it.
     pub ties: Vec<f64>,
@@ -156,6 +162,9 @@ impl PathResults {
         data.volumes(model, report.q, last(&mut self.volume, model.pressure_count()));
         data.rod_bending(model, last(&mut self.rod_bending, model.rods.len()));
         data.stretches(model, report.q, last(&mut self.stretch, 2 * model.material_count()));
+        data.spring_tensions(model, last(&mut self.spring_tension, model.spring_count()));
+        data.loop_tensions(model, last(&mut self.loop_tension, model.loop_count()));
+        data.obstacle_forces(model, last(&mut self.obstacle_force, model.obstacle_count()));
         data.tie_loads(model, last(&mut self.ties, TIE_NUMBERS * model.tie_count()));
         system.count_redundant(last(&mut self.tie_redundancy, model.tie_count()));
     }
@@ -206,7 +215,7 @@ impl PathResults {
     fn missing_as_nan<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
-    ) -> [(&mut Vec<f64>, usize); 12] {
+    ) -> [(&mut Vec<f64>, usize); 15] {
         [
             (&mut self.q, model.dof()),
             (&mut self.residual, 1),
@@ -216,6 +225,9 @@ impl PathResults {
             (&mut self.volume, model.pressure_count()),
             (&mut self.rod_bending, model.rods.len()),
             (&mut self.stretch, 2 * model.material_count()),
+            (&mut self.spring_tension, model.spring_count()),
+            (&mut self.loop_tension, model.loop_count()),
+            (&mut self.obstacle_force, model.obstacle_count()),
             (&mut self.ties, TIE_NUMBERS * model.tie_count()),
             (&mut self.tie_gaps, 2 * model.tie_count()),
             (&mut self.tie_redundancy, model.tie_count()),
@@ -247,6 +259,9 @@ impl PathResults {
         self.volume.extend(other.volume);
         self.rod_bending.extend(other.rod_bending);
         self.stretch.extend(other.stretch);
+        self.spring_tension.extend(other.spring_tension);
+        self.loop_tension.extend(other.loop_tension);
+        self.obstacle_force.extend(other.obstacle_force);
         self.ties.extend(other.ties);
         self.tie_gaps.extend(other.tie_gaps);
         self.tie_redundancy.extend(other.tie_redundancy);

@@ -99,11 +99,12 @@ impl Springs {
     pub fn tensions<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
         at: &State<G, D, P>,
-    ) -> Vec<f64> {
-        let tension = |spring: &Spring| {
-            spring.taut(at, None).map_or(0.0, |taut| at.parameters()[spring.stiffness] * taut.stretch)
-        };
-        self.0.iter().map(tension).collect()
+        out: &mut [f64],
+    ) {
+        for (spring, out) in self.0.iter().zip(out) {
+            let taut = spring.taut(at, None);
+            *out = taut.map_or(0.0, |taut| at.parameters()[spring.stiffness] * taut.stretch);
+        }
     }
 
     pub fn count(&self) -> usize {

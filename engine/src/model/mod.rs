@@ -100,6 +100,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         self.forces.fibres.material_count()
     }
 
+    /// Number of springs.
+    pub fn spring_count(&self) -> usize {
+        self.forces.springs.count()
+    }
+
+    /// Number of straps around links.
+    pub fn loop_count(&self) -> usize {
+        self.forces.loops.count()
+    }
+
+    /// Number of obstacles.
+    pub fn obstacle_count(&self) -> usize {
+        self.forces.obstacles.count()
+    }
+
     /// Number of ties.
     pub fn tie_count(&self) -> usize {
         self.forces.ties.count()

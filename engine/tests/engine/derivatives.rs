@@ -36,7 +36,9 @@ fn differences<G: LieGroup<D, P>, const D: usize, const P: usize>(
         if pairs.replace(touching.clone()).is_some_and(|p| !alike(&p, &touching)) {
             return None;
         }
-        let pulling: Vec<bool> = data.spring_tensions(model).iter().map(|tension| *tension != 0.0).collect();
+        let mut tensions = vec![0.0; model.spring_count()];
+        data.spring_tensions(model, &mut tensions);
+        let pulling: Vec<bool> = tensions.iter().map(|tension| *tension != 0.0).collect();
         if taut.replace(pulling.clone()).is_some_and(|before| before != pulling) {
             return None;
         }

@@ -25,6 +25,7 @@ class ObservedPaths:
     q: Array  # (n, s, dof)
     tip_force: Array  # (n, s), F_t (14) [N]
     touching: NDArray[np.uint32]  # (n, s), n_c
+    obstacle_force: Array  # (n, s, obstacles), normal forces [N]
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,8 @@ def observable(target: Target, model: Model, place: str) -> Observable:
             raise InputError(
                 f"{place}.of is the {unknown_name('obstacle', str(target.of), names)}."
             )
-        return Observable(FORCE, _on_obstacle(names.index(str(target.of))))
+        index = names.index(str(target.of))
+        return Observable(FORCE, lambda paths: paths.obstacle_force[:, :, index])
     body, row = _frame(target, model, place)
     if target.observable == "rotation":
         return Observable(ANGLE, lambda paths: _rotation(paths, body)[..., row])
@@ -78,17 +80,6 @@ def _angles(target: Target, model: Model, place: str) -> Callable[[ObservedPaths
         raise InputError(f"{place}.of is the {unknown_name('joint', target.of, short)}.")
     column = {**short, **angular}[target.of]
     return lambda paths: np.asarray(paths.q[:, :, column])
-
-
-def _on_obstacle(index: int) -> Callable[[ObservedPaths], Array]:
-    def forces(paths: ObservedPaths) -> Array:
-        found = np.full(paths.q.shape[:2], np.nan)
-        for i, step in np.argwhere(np.isfinite(paths.q).all(axis=2)):
-            engine, parameters = paths.model.engine, paths.parameters[i]
-            found[i, step] = engine.obstacle_forces(parameters, paths.q[i, step])[index]
-        return found
-
-    return forces
 
 
 def _frame(target: Target, model: Model, place: str) -> tuple[str, int]:

@@ -94,6 +94,7 @@ class PathRun:
             found["q"][:, loaded:],
             found["tip_force"][:, loaded:],
             found["touching"][:, loaded:],
+            found["obstacle_force"][:, loaded:],
         )
         good = (found["status"] == STATUS.index("converged"))[:, loaded:]
         parts: list[Array] = []

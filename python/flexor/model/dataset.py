@@ -21,6 +21,7 @@ _AXES = {
     "joint_angles": ("joint",),
     "applied": ("input",),
     "volume": ("pressure",),
+    "obstacle_force": ("obstacle",),
     "stretch": ("material", "extreme"),
     "derivatives": ("output", "parameter"),
     "q": ("coordinate",),
@@ -30,6 +31,9 @@ _AXES = {
 UNITS = {
     "joint_angles": "rad",
     "tip_force": "N",
+    "spring_tension": "N",
+    "loop_tension": "N",
+    "obstacle_force": "N",
     "energy": "J",
     "max_overlap": "m",
     "max_contact_pressure": "Pa",
@@ -80,6 +84,8 @@ def results_dataset(results: Results) -> Dataset:
         coordinates["extreme"] = ["least", "greatest"]
     if "volume" in data:
         coordinates["pressure"] = list(model.pressures)
+    if "obstacle_force" in data:
+        coordinates["obstacle"] = list(model.file.obstacles)
     return require_xarray().Dataset(data, coordinates, {"model": model.name})
 
 

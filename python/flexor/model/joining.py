@@ -24,14 +24,14 @@ class Joining:
     how : str
         ``"sum"``; ``"largest"``; ``"extremes"``, the least and the greatest of pairs;
         ``"deciding"``, that of the component which decides the status; ``"rows"``, each component
-        having some of the rows (n, s, m, ...).
+        having some of the rows (n, s, m, ...); ``"shares"``, adding its share to some of these.
     of : str
         What the rows are: coordinates, inputs, or a list of the description.
     without : float, optional
         What it is where the whole has no equilibrium; else it is joined there, too.
     """
 
-    how: Literal["sum", "largest", "extremes", "deciding", "rows"]
+    how: Literal["sum", "largest", "extremes", "deciding", "rows", "shares"]
     of: str = ""
     without: float | None = None
 
@@ -49,7 +49,7 @@ class Joining:
         arrays
             Those of the components.
         places
-            Which of the whole's rows each has, of ``"rows"``.
+            Which of the whole's rows each has, of ``"rows"`` and ``"shares"``.
         size
             How many rows the whole has.
         deciding : (n, s) array
@@ -66,9 +66,9 @@ class Joining:
         if self.how == "deciding":
             return np.asarray(np.take_along_axis(np.stack(arrays), deciding[None], axis=0)[0])
         first = arrays[0]
-        made = np.empty((*first.shape[:2], size, *first.shape[3:]), first.dtype)
+        made = np.zeros((*first.shape[:2], size, *first.shape[3:]), first.dtype)
         for array, rows in zip(arrays, places, strict=True):
-            made[:, :, rows] = array
+            made[:, :, rows] = array if self.how == "rows" else made[:, :, rows] + array
         return made
 
 
@@ -86,3 +86,8 @@ def total(without: float) -> Joining:
 def rows(of: str, without: float | None = None) -> Joining:
     """Return the rows that components have of coordinates, inputs or forces."""
     return Joining("rows", of, without)
+
+
+def shares(of: str, without: float | None = None) -> Joining:
+    """Return the sums, row by row, of what several components may add to."""
+    return Joining("shares", of, without)

@@ -53,13 +53,8 @@ class PathQuantities(Results):
 
     def strap_forces(self) -> dict[str, Array]:
         """Return the tension of each strap [N], (s,); NaN where there is no equilibrium."""
-        engine, straps = self.model.engine, self.model.file.straps
-        loops = [name for name, strap in straps.items() if strap.listed() == "loops"]
-        springs = [*self.model.file.springs, *(name for name in straps if name not in loops)]
-        tensions = self._each(loops, engine.loop_tensions)
-        if len(loops) < len(straps):
-            tensions |= self._each(springs, engine.spring_tensions)
-        return {name: tensions[name] for name in straps}
+        straps = self.model.file.straps
+        return dict(zip(straps, self.strap_tension.T, strict=True)) if straps else {}
 
     def tendon_lengths(self) -> dict[str, Array]:
         """Return the length of each tendon [m], (s,); NaN where there is no equilibrium."""
@@ -106,7 +101,7 @@ class PathQuantities(Results):
 
     def obstacle_forces(self) -> dict[str, Array]:
         """Return the sum of the normal forces on each obstacle [N], likewise."""
-        return self._each(self.model.file.obstacles, self.model.engine.obstacle_forces)
+        return dict(zip(self.model.file.obstacles, self.obstacle_force.T, strict=True))
 
     def _each(
         self, names: Iterable[str], evaluate: Callable[[Array, Array], Array]

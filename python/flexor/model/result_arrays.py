@@ -11,7 +11,17 @@ from numpy.typing import NDArray
 from flexor.arrays import Array
 from flexor.model.events import each_design, events, take_steps
 from flexor.model.geometry import Geometry
-from flexor.model.joining import DECIDING, EXTREMES, LARGEST, NAN, SUM, Joining, rows, total
+from flexor.model.joining import (
+    DECIDING,
+    EXTREMES,
+    LARGEST,
+    NAN,
+    SUM,
+    Joining,
+    rows,
+    shares,
+    total,
+)
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -95,6 +105,12 @@ class Results:
         Volume of each cavity under pressure, in the order of the model's pressures [m³].
     rod_bending : (n, s, rods) array
         Angle between both ends of each rod [rad]: in the plane with its sign, in space at most π.
+    spring_tension : (n, s, springs) array
+        Tension of each of the engine's springs, those of the file before straps [N].
+    loop_tension : (n, s, loops) array
+        Tension of each strap around a link [N]; see `strap_tension`.
+    obstacle_force : (n, s, obstacles) array
+        Sum of the normal forces on each obstacle [N].
     stretch : (n, s, materials, 2) array
         Least and greatest stretch of the fibres of each of the file's materials; NaN if no section
         has it.
@@ -182,6 +198,9 @@ class Results:
     max_contact_pressure: Array = field(default=_NONE, metadata=_found(LARGEST))
     volume: Array = field(default=_NONE, metadata=_found(rows("pressures", NAN)))
     rod_bending: Array = field(default=_NONE, metadata=_found(rows("rods", NAN)))
+    spring_tension: Array = field(default=_NONE, metadata=_found(rows("springs", NAN)))
+    loop_tension: Array = field(default=_NONE, metadata=_found(rows("loops", NAN)))
+    obstacle_force: Array = field(default=_NONE, metadata=_found(shares("obstacles", NAN)))
     stretch: Array = field(default=_NONE, metadata=_found(EXTREMES))
     tie_loads: Array = field(default=_NONE, metadata=_found(rows("ties", NAN)))
     tie_gaps: Array = field(default=_NONE, metadata=_found(rows("ties")))
@@ -222,6 +241,13 @@ class Results:
         from flexor.model.dataset import results_dataset
 
         return results_dataset(self)
+
+    @property
+    def strap_tension(self) -> Array:
+        """Tension of each strap [N], (n, s, straps)."""
+        of = {"loops": self.loop_tension, "springs": self.spring_tension}
+        found = [of[group][..., i] for group, i in self.model.strap_places.values()]
+        return np.stack(found, axis=-1)
 
     @property
     def max_strain(self) -> Array:

@@ -135,6 +135,16 @@ class Structure:
         return ", ".join(shown) or self.show_load(0.0, spec)
 
     @cached_property
+    def strap_places(self) -> dict[str, tuple[str, int]]:
+        """For each strap which of the engine's ``"loops"`` or ``"springs"`` it is."""
+        straps = self.file.straps
+        loops = [name for name, strap in straps.items() if strap.listed() == "loops"]
+        springs = [*self.file.springs, *(name for name in straps if name not in loops)]
+        lists = {"loops": loops, "springs": springs}
+        places = {name: (of, i) for of, each in lists.items() for i, name in enumerate(each)}
+        return {name: places[name] for name in straps}
+
+    @cached_property
     def ties(self) -> tuple[str, ...]:
         """Names of the ties."""
         return tuple(self.file.ties)

@@ -262,19 +262,19 @@ def _straps(model: Structure) -> dict[str, Member]:
     outputs = slopes.strap_members(model)
     each = {
         name: Member(
-            lambda paths, i=i: quantities.strap_forces(paths)[:, :, i],  # type: ignore[misc]
+            lambda paths, i=i: paths.strap_tension[:, :, i],  # type: ignore[misc]
             outputs[name],
         )
         for i, name in enumerate(names)
     }
-    largest: Values = lambda paths: quantities.strap_forces(paths).max(axis=2)  # noqa: E731
+    largest: Values = lambda paths: paths.strap_tension.max(axis=2)  # noqa: E731
     return _if(names, largest, slopes.strap_force) | each
 
 
 def _obstacles(model: Structure) -> dict[str, Member]:
     return {
         name: Member(
-            lambda paths, i=i: quantities.obstacle_forces(paths)[:, :, i],  # type: ignore[misc]
+            lambda paths, i=i: paths.obstacle_force[:, :, i],  # type: ignore[misc]
             slopes.member("obstacles", i),
         )
         for i, name in enumerate(model.file.obstacles)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from weakref import WeakKeyDictionary
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -75,50 +72,10 @@ def stress_uses(model: Structure, stretch: Array, parameters: Array) -> Array:
     return found
 
 
-def strap_forces(paths: Paths) -> Array:
-    """Return the tension of each strap [N], (n, s, straps)."""
-    # Asked for by each strap, by constraints and by tables.
-    found = _STRAP_FORCES.get(paths)
-    if found is None:
-        found = _STRAP_FORCES[paths] = _strap_forces(paths)
-        found.setflags(write=False)
-    return found
-
-
-_STRAP_FORCES: WeakKeyDictionary[Paths, Array] = WeakKeyDictionary()
-
-
-def _strap_forces(paths: Paths) -> Array:
-    file, engine = paths.model.file, paths.model.engine
-    loops, springs = _tensed(paths.model)
-    columns = {
-        **_each(paths, loops, engine.loop_tensions),
-        **_each(paths, springs, engine.spring_tensions),
-    }
-    return np.stack([columns[name] for name in file.straps], axis=2)
-
-
 def strap_outputs(model: Structure) -> dict[str, int]:
     """Return which of the engine's outputs is the tension of each strap."""
     outputs = model.engine.outputs
-    loops, springs = _tensed(model)
-    found = {name: outputs["loops"][0] + i for i, name in enumerate(loops)}
-    found |= {name: outputs["springs"][0] + i for i, name in enumerate(springs)}
-    return {name: found[name] for name in model.file.straps}
-
-
-def _tensed(model: Structure) -> tuple[list[str], list[str]]:
-    """Return the names of the engine's loops and springs in their order."""
-    file = model.file
-    loops = [name for name, strap in file.straps.items() if strap.listed() == "loops"]
-    return loops, [*file.springs, *(name for name in file.straps if name not in loops)]
-
-
-def obstacle_forces(paths: Paths) -> Array:
-    """Return the sum of the normal forces on each obstacle [N], (n, s, obstacles)."""
-    engine, names = paths.model.engine, tuple(paths.model.file.obstacles)
-    found = _each(paths, names, engine.obstacle_forces)
-    return np.stack([found[name] for name in names], axis=2)
+    return {name: outputs[of][0] + i for name, (of, i) in model.strap_places.items()}
 
 
 def mass(paths: Paths) -> Array:
@@ -190,15 +147,3 @@ def _area(rod: Rod) -> float:
     """Return the area of a solid section by S²."""
     kind, ratio = rod.section.kind, rod.section.ratio or 1.0  # type: ignore[union-attr]
     return 4.0 * ratio if kind == "rectangular" else np.pi * ratio
-
-
-def _each(
-    paths: Paths, names: Iterable[str], evaluate: Callable[[Array, Array], Array]
-) -> dict[str, Array]:
-    named = tuple(names)
-    values = np.full((*paths.q.shape[:2], len(named)), np.nan)
-    if named:
-        parameters = paths.parameters
-        for i, step in np.argwhere(np.isfinite(paths.q).all(axis=2)):
-            values[i, step] = evaluate(parameters[i], paths.q[i, step])
-    return {name: values[:, :, i] for i, name in enumerate(named)}

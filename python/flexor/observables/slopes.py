@@ -51,7 +51,7 @@ def constant(paths: Paths, steps: Steps) -> Differential:
 
 def strap_force(paths: Paths, steps: Steps) -> Differential:
     """Return the change of the largest tension of a strap."""
-    forces = quantities.strap_forces(paths)[np.arange(len(paths)), steps]
+    forces = paths.strap_tension[np.arange(len(paths)), steps]
     which, tied = _largest(forces)
     columns = quantities.strap_outputs(paths.model)
     chosen = np.zeros((len(paths), max(stop for _, stop in paths.model.engine.outputs.values())))
@@ -61,12 +61,7 @@ def strap_force(paths: Paths, steps: Steps) -> Differential:
 
 def strap_members(model: Structure) -> dict[str, Slope]:
     """Return the change of the tension of each strap."""
-    outputs = model.engine.outputs
-    made = {}
-    for name, column in quantities.strap_outputs(model).items():
-        group = "loops" if outputs["loops"][0] <= column < outputs["loops"][1] else "springs"
-        made[name] = member(group, column - outputs[group][0])
-    return made
+    return {name: member(of, i) for name, (of, i) in model.strap_places.items()}
 
 
 def strain(paths: Paths, steps: Steps) -> Differential:

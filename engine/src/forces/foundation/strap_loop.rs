@@ -67,10 +67,9 @@ impl StrapLoops {
     }
 
     /// Tension of each.
-    pub fn tensions<const P: usize>(&self, state: &[ConeContact<P>]) -> Vec<f64> {
-        let mut tensions = vec![0.0; self.0.len()];
-        state.iter().for_each(|contact| tensions[contact.foundation] = contact.tension());
-        tensions
+    pub fn tensions<const P: usize>(&self, state: &[ConeContact<P>], out: &mut [f64]) {
+        out.fill(0.0);
+        state.iter().for_each(|contact| out[contact.foundation] = contact.tension());
     }
 
     pub fn count(&self) -> usize {

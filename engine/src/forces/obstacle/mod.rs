@@ -72,10 +72,9 @@ impl<const P: usize> Obstacles<P> {
     }
 
     /// Sum of the normal forces on each obstacle [N], from what the residual left.
-    pub fn forces(&self, state: &ObstacleState<P>) -> Vec<f64> {
-        let mut forces = vec![0.0; self.0.len()];
-        state.touching.iter().for_each(|touch| forces[touch.obstacle] += touch.pressing.force);
-        forces
+    pub fn forces(&self, state: &ObstacleState<P>, out: &mut [f64]) {
+        out.fill(0.0);
+        state.touching.iter().for_each(|touch| out[touch.obstacle] += touch.pressing.force);
     }
 
     pub fn count(&self) -> usize {
