@@ -50,12 +50,20 @@ pub struct State {
     pub tangent: Vec<f64>,
     pub lengths: Vec<f64>,
     pub volumes: Vec<f64>,
+    pub forces: ElementForces,
     pub tendons: Tendons,
     /// −1 for a material that nothing is made of.
     pub stretch_frames: Vec<[i64; 2]>,
     pub frames: Vec<[[f64; 4]; 4]>,
     pub spheres: Vec<[f64; 4]>,
     pub contacts: Vec<ContactForce>,
+}
+
+/// Tensions and sums of normal forces.
+pub struct ElementForces {
+    pub springs: Vec<f64>,
+    pub loops: Vec<f64>,
+    pub obstacles: Vec<f64>,
 }
 
 /// What tendons do, one after another.
@@ -90,8 +98,17 @@ impl AnyModel {
             data.evaluate(model, q, load);
             let mut volumes = vec![0.0; model.pressure_count()];
             data.volumes(model, q, &mut volumes);
+            let mut forces = ElementForces {
+                springs: vec![0.0; model.spring_count()],
+                loops: vec![0.0; model.loop_count()],
+                obstacles: vec![0.0; model.obstacle_count()],
+            };
+            data.spring_tensions(model, &mut forces.springs);
+            data.loop_tensions(model, &mut forces.loops);
+            data.obstacle_forces(model, &mut forces.obstacles);
             State {
                 volumes,
+                forces,
                 tendons: Tendons {
                     lengths: data.tendon_lengths(model),
                     tensions: data.tendon_tensions(model, load),

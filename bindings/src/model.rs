@@ -1,6 +1,6 @@
 //! The class `Model`.
 
-use crate::dispatch::{AnyModel, ContactForce, State, on_model};
+use crate::dispatch::{AnyModel, ContactForce, ElementForces, State, on_model};
 use crate::error::value_error;
 use crate::interrupt::interruptible;
 use crate::{friction, options, structure};
@@ -146,6 +146,21 @@ impl Model {
         q: Numbers<'_>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         Ok(self.state(&parameters, &q, None)?.volumes.into_pyarray(py))
+    }
+
+    /// Forces of springs, loops and obstacles, as results of paths have them.
+    fn element_forces<'py>(
+        &self,
+        py: Python<'py>,
+        parameters: Numbers<'_>,
+        q: Numbers<'_>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let ElementForces { springs, loops, obstacles } = self.state(&parameters, &q, None)?.forces;
+        let out = PyDict::new(py);
+        out.set_item("spring_tension", springs.into_pyarray(py))?;
+        out.set_item("loop_tension", loops.into_pyarray(py))?;
+        out.set_item("obstacle_force", obstacles.into_pyarray(py))?;
+        Ok(out)
     }
 
     /// Length of each tendon.

@@ -102,6 +102,11 @@ class PathDerivatives(TypedDict):
     by_loads: NDArray[np.float64]  # (n, numbers, s, U), by the conjugate of controlled inputs
     regularity: NDArray[np.uint8]  # (n, numbers), codes of REGULARITY
 
+class ElementForces(TypedDict):
+    spring_tension: NDArray[np.float64]
+    loop_tension: NDArray[np.float64]
+    obstacle_force: NDArray[np.float64]
+
 class Contacts(TypedDict):
     first: NDArray[np.uint32]
     second: NDArray[np.int64]
@@ -204,6 +209,7 @@ class Model:
     def tangent(self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike) -> NDArray[np.float64]: ...
     def actuator_lengths(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
     def volumes(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
+    def element_forces(self, parameters: ArrayLike, q: ArrayLike) -> ElementForces: ...
     def tendon_lengths(self, parameters: ArrayLike, q: ArrayLike) -> NDArray[np.float64]: ...
     def tendon_tensions(
         self, parameters: ArrayLike, q: ArrayLike, u: ArrayLike

@@ -137,6 +137,7 @@ def test_a_constant_radius_is_one_variable(model: Model) -> None:
         ({"exosuit.skin.thickness": ("-1 mm", "3 mm")}, '"-1 mm": it must be greater than zero'),
         ({"middle.slack": ("-1 mm", "1 mm")}, '"-1 mm": it must not be negative'),
         ({"proximal.width": ("0 mm", "9 mm")}, '"0 mm": it must be greater than zero'),
+        ({"evaluation.loads.chamber": ("9 kPa", "60 kPa")}, "those of evaluation.pressure: vary"),
         ({"chamber.span.1": (0.5, 1.5)}, "the bounds of a place along a rod are from 0 to 1"),
         ({"exosuit.length": None}, "exosuit.length = None: expected a field, and its lower"),
         ({3: ("8 cm", "9 cm")}, "expected a field, and its lower"),

@@ -362,6 +362,13 @@ def test_a_pattern_keeps_ratios(tmp_path: Path) -> None:
     assert walls == pytest.approx([1.5e-3, 1.65e-3], rel=1e-12)
 
 
+def test_a_wrong_key_in_a_pattern_is_that_of_the_entry_that_is_meant(tmp_path: Path) -> None:
+    """Not one of a body with a name of one part, whose keys begin after the first dot."""
+    model = load(written(tmp_path, GLOVE))
+    with pytest.raises(InputError, match=r'index\.exosuit\.lenth.*did you mean "length"'):
+        flexor.design.variables({"*.exosuit.lenth": ("8 cm", "10 cm")}, model)
+
+
 def test_a_failure_is_that_of_the_part_that_failed(tmp_path: Path) -> None:
     model = load(written(tmp_path, GLOVE))
     start, stop = model.engine.slots["middle.exosuit.length"]

@@ -72,8 +72,8 @@ def landscape(
     Every evaluated design is recorded immediately in the landscape folder, so a landscape can be
     interrupted (Ctrl-C) and resumed. The completed folder contains the arrays (`landscape.npz`),
     a row per design (`landscape.csv`) and the figure (`landscape.png`, `landscape.svg`): a
-    surface and a contour plot with the best design of the grid, the designs that snap and those
-    that failed, and where each constraint is exceeded.
+    surface and a contour plot with the best design of the grid, the designs that snap or bifurcate
+    and those that failed, and where each constraint is exceeded.
 
     Examples
     --------
@@ -179,8 +179,8 @@ def _print_summary(result: Landscape, seconds: float, files: list[FilePath]) -> 
         sentences.append(f"{word} of the grid at {best.text}: {best.result}.")
         minima, snap = len(result.local_minima()), _share(float((result.events > 0).mean()))
         sentences.append(
-            f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap, "
-            f"{_share(float(result.failed.mean()))} fail."
+            f"{minima} local {'minimum' if minima == 1 else 'minima'}; {snap} of the designs snap "
+            f"or bifurcate, {_share(float(result.failed.mean()))} fail."
         )
         if result.constraints:
             sentences += _kept(result)

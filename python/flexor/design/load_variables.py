@@ -61,6 +61,9 @@ def load_variable(label: str, model: Structure) -> LoadVariable | None:
     evaluation = model.file.evaluation
     if field.startswith(_NAMED):
         name = field.removeprefix(_NAMED)
+        if not evaluation.loads and model.inputs == (name,):
+            single = "pressure" if model.pressures else "force"
+            raise InputError(f"{field}: its loads are those of evaluation.{single}: vary that.")
         if name not in evaluation.loads:
             raise unknown("input with evaluation.loads", name, evaluation.loads)
     elif field in _SINGLE and len(model.inputs) == 1 and not evaluation.loads:

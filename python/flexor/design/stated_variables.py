@@ -240,19 +240,19 @@ def fields_of(label: str, file: ModelFile, source: str) -> tuple[str, ...]:
         return constant_radius(label, file) or (label,)
     patterns = [each.split(".") for each in _without_braces(label.strip())]
     names = [name for table in file.named_tables() for name in getattr(file, table)]
-    found: dict[str, None] = {}
+    found: dict[str, int] = {}  # with the number of parts of the entry's name
     for name in names:
         parts = name.split(".")
         for pattern in patterns:
             head, rest = pattern[: len(parts)], pattern[len(parts) :]
             if rest and all(map(fnmatchcase, parts, head)):
-                found.setdefault(".".join([name, *rest]))
+                found[".".join([name, *rest])] = len(parts)
     if not found:
         shown = alternatives(label, names)
         raise InputError(f"{source}: no entry of the model is like {shown}.")
     numeric = tuple(each for each in found if _can_vary(each, file))
     if not numeric:
-        keys_of(next(iter(found)), file)  # says why not
+        keys_of(max(found, key=found.__getitem__), file)  # says why not
     return numeric
 
 

@@ -83,9 +83,20 @@ def force_accuracy(path: Path, forces: Callable[[Path], dict[str, Array]]) -> di
     here = forces(path)
     found = {name: np.zeros(len(path)) for name in here}
     for signs in np.random.default_rng(0).choice([-1.0, 1.0], (PATTERNS, error.shape[1])):
-        for name, moved in forces(replace(path, q=path.q + error * signs)).items():
+        for name, moved in forces(_moved(path, path.q + error * signs)).items():
             found[name] = np.fmax(found[name], np.abs(moved - here[name]))
     return found
+
+
+def _moved(path: Path, q: Array) -> Path:
+    """Return a path with its forces at other coordinates (s, dof)."""
+    names = ("spring_tension", "loop_tension", "obstacle_force")
+    forces = {name: np.full_like(getattr(path, name), np.nan) for name in names}
+    for step in np.flatnonzero(np.isfinite(q).all(axis=1)):
+        found = path.model.engine.element_forces(path.parameters, q[step])
+        for name, values in forces.items():
+            values[step] = found[name]  # type: ignore[literal-required]
+    return replace(path, q=q, **forces)
 
 
 def _size(model: Structure) -> float:

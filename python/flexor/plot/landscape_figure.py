@@ -55,8 +55,8 @@ def landscape(landscape: Landscape, paths: Sequence[SearchPath] = ()) -> Figure:
     -------
     matplotlib.figure.Figure
         A surface and a contour plot, one page wide; or a curve, one column wide. The best design,
-        the designs that snap, those that failed, those that are infeasible and the lines on which
-        constraints are active are marked.
+        the designs that snap or bifurcate, those that failed, those that are infeasible and the
+        lines on which constraints are active are marked.
     """
     from matplotlib.figure import Figure
 
@@ -273,7 +273,7 @@ def _handles(landscape: Landscape, paths: Sequence[SearchPath]) -> list[Any]:
         word = "best" if best.feasible and _maximised(landscape) else word
         handles.append(Line2D([], [], markersize=11, label=f"{word} at {position}", **STAR))
     if np.any((landscape.events > 0) & ~landscape.failed):
-        handles.append(Line2D([], [], marker=".", color=SNAP, linestyle="", label="snaps"))
+        handles.append(Line2D([], [], marker=".", color=SNAP, linestyle="", label="snaps or bifurcations"))
     if landscape.failed.any():
         handles.append(Patch(facecolor=FAILED, label="failed"))
     handles += constraint_handles(landscape)
