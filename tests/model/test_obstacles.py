@@ -7,6 +7,7 @@ import pytest
 
 from flexor.errors import InputError
 from flexor.model import Model, parse
+from flexor.model.separate import Separate
 
 BLOCK = """
 name = "block"
@@ -51,6 +52,26 @@ def test_a_block_sinks_in_by_hookes_law(planar: bool) -> None:
     np.testing.assert_allclose(on_floor, [0.0, 0.0, 200.0 * (-0.01 - sunk)], atol=1e-9)
     assert path.to_dict()["obstacle_force"] == {"floor": on_floor.tolist()}
     assert path.pairs.tolist() == [0, 0, 0]
+
+
+def test_bodies_that_do_nothing_to_one_another_share_a_floor() -> None:
+    """The force on it is the sum over them, though each is solved on its own."""
+    second = BLOCK[BLOCK.index("[bodies.block]") : BLOCK.index("[obstacles")]
+    second = second.replace("block", "second").replace("foot", "other")
+    second = second.replace("joint =", 'placement = { x = "20 cm" }\njoint =')
+    text = BLOCK.replace("[obstacles", second + "[obstacles").replace(
+        '["foot"]', '["foot", "other"]'
+    )
+    push = BLOCK[BLOCK.index("[wrenches.push]") :].replace("block", "second")
+    push = push.replace("push", "load").replace("-1 N", "-2 N")
+    model = Model(parse(text + push))
+    assert isinstance(model.followed, Separate)
+    path = model.equilibrium(np.array([[0.0, 0.0], [3.0, 1.0], [4.0, 0.1]]))
+    assert path.stable.all()
+    pressed = [np.maximum(-200.0 * (q + 0.01), 0.0) for q in path.q.T]
+    np.testing.assert_allclose(path.obstacle_forces()["floor"], sum(pressed), atol=1e-9)
+    assert (pressed[0][1:] > 0.0).all()
+    assert pressed[1][1] > 0.0
 
 
 @pytest.mark.parametrize(

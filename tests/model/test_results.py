@@ -57,7 +57,7 @@ def test_every_array_of_the_engine_says_how_components_join(finger: Model) -> No
     own = {"status", "stability", "friction", "free", "events"}
     assert found.keys() == {*joinings(), *own}
     for joining in joinings().values():
-        assert (joining.how == "rows") == bool(joining.of)
+        assert (joining.how in ("rows", "shares")) == bool(joining.of)
 
 
 @pytest.mark.parametrize("size", [1, 7, 40])
