@@ -273,7 +273,9 @@ def _handles(landscape: Landscape, paths: Sequence[SearchPath]) -> list[Any]:
         word = "best" if best.feasible and _maximised(landscape) else word
         handles.append(Line2D([], [], markersize=11, label=f"{word} at {position}", **STAR))
     if np.any((landscape.events > 0) & ~landscape.failed):
-        handles.append(Line2D([], [], marker=".", color=SNAP, linestyle="", label="snaps or bifurcations"))
+        handles.append(
+            Line2D([], [], marker=".", color=SNAP, linestyle="", label="snaps or bifurcations")
+        )
     if landscape.failed.any():
         handles.append(Patch(facecolor=FAILED, label="failed"))
     handles += constraint_handles(landscape)
