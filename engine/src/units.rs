@@ -52,7 +52,7 @@ impl Units {
                 kind[dof] = if *angular { Kind::Angle } else { Kind::Strain };
             }
         }
-        for joint in model.joints.iter().filter(|joint| joint.joint.angular) {
+        for joint in model.joints.iter().filter(|joint| joint.angular) {
             kind[joint.dof] = Kind::Angle;
         }
         Self {

@@ -20,10 +20,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
             let free = |dof: &usize| {
                 let parameters = &self.data().design.geometry.parameters;
                 let of_joint = model.joints.iter().find(|joint| joint.dof == *dof);
-                of_joint.is_some_and(|of| {
-                    let limited = of.joint.lower.is_some() || of.joint.upper.is_some();
-                    of.joint.angular && !limited && parameters[of.stiffness] == 0.0
-                })
+                of_joint
+                    .is_some_and(|of| of.angular && of.limits.is_none() && parameters[of.stiffness] == 0.0)
             };
             let angle = dofs.iter().map(|dof| q[*dof] * q[*dof]).sum::<f64>().sqrt();
             if dofs.len() == 3 && angle > TURN_BACK && dofs.iter().all(free) {

@@ -173,7 +173,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     fn rotation(&self, step: &[f64]) -> f64 {
         let model = self.model();
         let size = |i: usize| (step[i] * self.units()[i]).abs();
-        let joints = model.joints.iter().filter(|joint| joint.joint.angular).map(|joint| size(joint.dof));
+        let joints = model.joints.iter().filter(|joint| joint.angular).map(|joint| size(joint.dof));
         let rods = model.rods.iter().map(|rod| {
             let angles = rod.dofs.clone().zip(&rod.angular).filter(|(_, angular)| **angular);
             angles.map(|(dof, _)| size(dof)).fold(0.0, f64::max)

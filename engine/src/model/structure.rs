@@ -149,6 +149,10 @@ mod tests {
         assert!(!build(&other).has_structure_of(&model));
         let mut other = description.clone();
         other.bodies[1].joint.rest = vec![0.1];
+        assert!(build(&other).has_structure_of(&model));
+        other.bodies[1].joint.upper = vec![Some(1.0)];
+        assert!(build(&other).has_structure_of(&model));
+        other.bodies[1].joint.upper = vec![None];
         assert!(!build(&other).has_structure_of(&model));
     }
 
@@ -159,7 +163,7 @@ mod tests {
         let structure = Structure::new(&model, &description);
         assert_eq!(structure.joints.len(), model.joints.len());
         for (joint, built) in structure.joints.iter().zip(&model.joints) {
-            assert_eq!((joint.coordinate, joint.angular), (built.dof, built.joint.angular));
+            assert_eq!((joint.coordinate, joint.angular), (built.dof, built.angular));
             let length: f64 = joint.axis.iter().map(|a| a * a).sum();
             assert!((length - 1.0).abs() < 1e-12, "{joint:?}");
         }
@@ -182,7 +186,7 @@ mod tests {
             let body = body.unwrap_or_else(|| panic!("{slot}"));
             let rod = matches!(body.shape, ShapeDescription::Rod(_));
             let free = body.joint.kind == JointKind::Free;
-            assert!(what == "reference_strain" && rod || what == "joint_stiffness" && free, "{slot}");
+            assert!(what == "reference_strain" && rod || what.starts_with("joint_") && free, "{slot}");
         }
     }
 }

@@ -27,6 +27,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             .bodies
             .iter()
             .all(|b| p[b.rotation.clone()].iter().all(|angle| angle.abs() <= MAX_PLACEMENT_ROTATION));
-        rods && links && placements && self.joints.iter().all(|j| p[j.stiffness] >= 0.0)
+        let joints = self.joints.iter().all(|j| {
+            let limits = j.limits.is_none_or(|limits| {
+                let ends = limits.lower.zip(limits.upper);
+                p[limits.stiffness] > 0.0
+                    && p[limits.width] > 0.0
+                    && ends.is_none_or(|(lower, upper)| p[lower] < p[upper])
+            });
+            p[j.stiffness] >= 0.0 && limits
+        });
+        rods && links && placements && joints
     }
 }

@@ -37,25 +37,24 @@ pub(crate) struct Link {
     pub density: usize,
 }
 
-/// A coordinate of a joint.
+/// A coordinate of a joint: the positions of its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct JointCoordinate {
     pub dof: usize,
-    pub joint: Joint,
-    /// Parameter holding its stiffness.
+    /// Whether it is an angle.
+    pub angular: bool,
     pub stiffness: usize,
+    pub rest: usize,
+    pub limits: Option<JointLimits>,
 }
 
-/// Rest position and limits of a joint coordinate.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Joint {
-    pub rest: f64,
-    pub lower: Option<f64>,
-    pub upper: Option<f64>,
-    pub limit_stiffness: f64,
-    pub limit_width: f64,
-    /// Whether the coordinate is an angle.
-    pub angular: bool,
+/// Limits of a coordinate of a joint: the positions of their parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct JointLimits {
+    pub lower: Option<usize>,
+    pub upper: Option<usize>,
+    pub stiffness: usize,
+    pub width: usize,
 }
 
 /// A rod: bases at its Gauss points and the positions of its parameters.

@@ -21,7 +21,7 @@ pub use layout::Layout;
 
 pub(crate) use between::Between;
 pub(crate) use blocks::CoordinateBlocks;
-pub(crate) use bodies::{Body, GaussPoint, Joint, JointCoordinate, Link, Rod, SectionEntry, Shape};
+pub(crate) use bodies::{Body, GaussPoint, JointCoordinate, JointLimits, Link, Rod, SectionEntry, Shape};
 pub(crate) use chain::Chain;
 pub(crate) use error::{finite, not_negative, positive};
 pub(crate) use points::{Place, Point, Sphere, SphereRadius};

@@ -4,7 +4,7 @@ use super::super::description::{
     BodyDescription, JointDescription, JointKind, LinkDescription, ShapeDescription,
 };
 use super::super::{
-    Body, Frame, Joint, JointColumn, JointCoordinate, Link, ModelError, Motion, Shape, Tree, finite,
+    Body, Frame, JointColumn, JointCoordinate, JointLimits, Link, ModelError, Motion, Shape, Tree, finite,
     not_negative, positive,
 };
 use crate::lie::LieGroup;
@@ -190,41 +190,32 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             not_negative(field("stiffness"), *k)?;
         }
         let limited = joint.lower.iter().chain(&joint.upper).any(Option::is_some);
-        if limited {
-            positive(field("limit_stiffness"), joint.limit_stiffness)?;
-            positive(field("limit_width"), joint.limit_width)?;
-        }
-        let unit = match joint.kind {
-            JointKind::Free => None,
-            JointKind::Prismatic => Some("N/m"),
-            _ => Some("N*m/rad"),
+        let (unit, of_stiffness) = match joint.kind {
+            JointKind::Free => (None, None),
+            JointKind::Prismatic => (Some("m"), Some("N/m")),
+            _ => (Some("rad"), Some("N*m/rad")),
         };
-        let slots = self.slot(format!("{name}.joint_stiffness"), unit, &stiffness);
+        let mut rest = joint.rest.clone();
+        rest.resize(count, 0.0);
+        let stiffness = self.slot(format!("{name}.joint_stiffness"), of_stiffness, &stiffness).start;
+        let rest = self.slot(format!("{name}.joint_rest"), unit, &rest).start;
+        let limits = if limited { Some(self.joint_limits(name, joint, [unit, of_stiffness])?) } else { None };
 
         let mut k = 0;
         let mut motions = vec![];
         for group in groups {
             let start = self.joint_columns.len();
             for (twist, label, angular) in group {
-                let bound = |list: &[Option<f64>]| list.get(k).copied().flatten();
-                let (lower, upper) = (bound(&joint.lower), bound(&joint.upper));
-                finite(field("limits"), &[lower.unwrap_or(0.0), upper.unwrap_or(0.0)])?;
-                if lower.zip(upper).is_some_and(|(l, u)| l >= u) {
-                    return Err(ModelError::new(
-                        field("lower"),
-                        "the lower limit is not below the upper one",
-                    ));
-                }
                 let dof = self.dof;
                 self.dof += 1;
                 self.coordinates.push(format!("{name}.{label}"));
                 self.joint_columns.push(JointColumn { dof, twist });
-                let rest = joint.rest.get(k).copied().unwrap_or(0.0);
-                let (limit_stiffness, limit_width) = (joint.limit_stiffness, joint.limit_width);
                 self.joints.push(JointCoordinate {
                     dof,
-                    joint: Joint { rest, lower, upper, limit_stiffness, limit_width, angular },
-                    stiffness: slots.start + k,
+                    angular,
+                    stiffness: stiffness + k,
+                    rest: rest + k,
+                    limits: limits.as_ref().and_then(|limits| limits[k]),
                 });
                 k += 1;
             }
@@ -235,6 +226,39 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         }
         let push = |frame, motion| self.push_frame(frame, body, motion, format!("{name}.joint"));
         Ok(motions.into_iter().fold(parent, push))
+    }
+
+    /// The limits of each coordinate of a joint that has some, given the units of a limit and of its stiffness.
+    fn joint_limits(
+        &mut self,
+        name: &str,
+        joint: &JointDescription,
+        [unit, of_stiffness]: [Option<&'static str>; 2],
+    ) -> Result<Vec<Option<JointLimits>>, ModelError> {
+        let field = |f: &str| format!("{name}.joint.{f}");
+        let stiffness = positive(field("limit_stiffness"), joint.limit_stiffness)?;
+        let width = positive(field("limit_width"), joint.limit_width)?;
+        let stiffness = self.slot(format!("{name}.limit_stiffness"), of_stiffness, &[stiffness]).start;
+        let width = self.slot(format!("{name}.limit_width"), unit, &[width]).start;
+        let bounds = [("lower", &joint.lower), ("upper", &joint.upper)];
+        let [lower, upper] = bounds.map(|(end, values)| {
+            let given: Vec<f64> = values.iter().copied().flatten().collect();
+            let mut slots = self.slot(format!("{name}.joint_{end}"), unit, &given);
+            let of_each: Vec<_> = values.iter().map(|value| value.and_then(|_| slots.next())).collect();
+            of_each
+        });
+        let mut found = vec![];
+        for k in 0..joint.lower.len().max(joint.upper.len()) {
+            let [lower, upper] = [&lower, &upper].map(|slots| slots.get(k).copied().flatten());
+            let [low, high] = [lower, upper].map(|slot| slot.map(|slot| self.parameters[slot]));
+            finite(field("limits"), &[low.unwrap_or(0.0), high.unwrap_or(0.0)])?;
+            if low.zip(high).is_some_and(|(low, high)| low >= high) {
+                return Err(ModelError::new(field("lower"), "the lower limit is not below the upper one"));
+            }
+            let any = lower.or(upper).is_some();
+            found.push(any.then_some(JointLimits { lower, upper, stiffness, width }));
+        }
+        Ok(found)
     }
 
     /// The twist of a unit rotation about, or translation along, `axis`.
