@@ -123,7 +123,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Geometry<G, D, P> {
 
     fn place_points(&mut self, tree: &Tree<G, D, P>) {
         for (local, point) in self.points.iter_mut().zip(&tree.points) {
-            *local = point.offset;
+            *local = point.offset.map_or(Vector::ZERO, |slot| spatial::<G, D, P>(&self.parameters, slot));
             let (body, fraction) = link_fraction(tree, &self.parameters, point.place);
             if let Some(Shape::Link(link)) = body {
                 local[0] += fraction * self.parameters[link.length];
@@ -142,6 +142,27 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Geometry<G, D, P> {
         for (radius, sphere) in self.radii.iter_mut().zip(&tree.spheres) {
             *radius = radius_of(tree, &self.parameters, sphere.radius);
         }
+    }
+}
+
+/// The vector whose three components in space are parameters from `slot` on.
+#[inline]
+pub(crate) fn spatial<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    p: &[f64],
+    slot: usize,
+) -> Vector<P> {
+    G::point_from_spatial(&[p[slot], p[slot + 1], p[slot + 2]]).unwrap_or(Vector::ZERO)
+}
+
+/// Adds to the derivatives by these parameters those by the vector.
+#[inline]
+pub(crate) fn add_spatial<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    gradient: &mut [f64],
+    slot: usize,
+    slope: &Vector<P>,
+) {
+    for (out, slope) in gradient[slot..slot + 3].iter_mut().zip(G::point_to_spatial(slope)) {
+        *out += slope;
     }
 }
 

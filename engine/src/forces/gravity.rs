@@ -6,7 +6,7 @@ use super::magnitudes::Magnitudes;
 use super::moments::Moments;
 use super::state::State;
 use super::terms::Terms;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, add_spatial, spatial};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::section;
@@ -14,8 +14,9 @@ use crate::tree::{ModelError, Place, Point, Rod, Shape, Tree, finite};
 
 /// Uniform gravity and the masses on which it acts; none without gravity.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Gravity<const P: usize> {
-    acceleration: Vector<P>,
+pub(crate) struct Gravity {
+    /// The first of three parameters that hold the acceleration, where there are masses.
+    acceleration: usize,
     masses: Vec<PointMass>,
 }
 
@@ -44,21 +45,26 @@ pub(crate) struct Weight<const P: usize> {
     centroid: Vector<P>,
 }
 
-impl<const P: usize> Gravity<P> {
-    pub fn build<G: LieGroup<D, P>, const D: usize>(
+impl Gravity {
+    /// `weighs`: whether masses count even if there is no gravity.
+    pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
         tree: &mut Tree<G, D, P>,
         acceleration: &[f64; 3],
+        weighs: bool,
     ) -> Result<Self, ModelError> {
         finite("gravity", acceleration)?;
-        let acceleration = G::point_from_spatial(acceleration)
+        G::point_from_spatial(acceleration)
             .ok_or_else(|| ModelError::new("gravity", "a planar system has no gravity along y"))?;
         let mut masses = vec![];
-        let bodies = if acceleration == Vector::ZERO { &[][..] } else { &tree.bodies };
+        if !weighs && *acceleration == [0.0; 3] {
+            return Ok(Self { acceleration: 0, masses });
+        }
+        let slot = tree.slot("gravity".into(), "m/s^2", acceleration).start;
         let mut push = |part, frame, place| {
             masses.push(PointMass { point: tree.points.len(), part });
-            tree.points.push(Point { frame, place, offset: Vector::ZERO, surface: None });
+            tree.points.push(Point { frame, place, offset: None, surface: None });
         };
-        for (b, body) in bodies.iter().enumerate() {
+        for (b, body) in tree.bodies.iter().enumerate() {
             match &body.shape {
                 Shape::Rod(r) => {
                     for (g, gauss) in tree.rods[*r].gauss.iter().enumerate() {
@@ -69,7 +75,20 @@ impl<const P: usize> Gravity<P> {
                 Shape::Link(_) => push(Part::Link(b), body.base_frame, Place::Centroid(b)),
             }
         }
-        Ok(Self { acceleration, masses })
+        Ok(Self { acceleration: slot, masses })
+    }
+
+    /// The acceleration; none without masses.
+    #[inline]
+    fn acceleration<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+    ) -> Vector<P> {
+        if self.masses.is_empty() {
+            Vector::ZERO
+        } else {
+            spatial::<G, D, P>(at.parameters(), self.acceleration)
+        }
     }
 }
 
@@ -91,13 +110,13 @@ impl<const P: usize> Weight<P> {
     }
 }
 
-impl<const P: usize> ForceMemory<P> for Gravity<P> {
+impl<const P: usize> ForceMemory<P> for Gravity {
     type Design = Vec<Weight<P>>;
     type State = ();
     type Sensitivity = ();
 }
 
-impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Gravity<P> {
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Gravity {
     fn design(&self, _: &Tree<G, D, P>) -> Vec<Weight<P>> {
         vec![Weight { volume: 0.0, mass: 0.0, centroid: Vector::ZERO }; self.masses.len()]
     }
@@ -147,9 +166,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         _: &mut (),
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
+        let acceleration = self.acceleration(at);
         for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
             let p = weight.place(at, *point);
-            let gradient = self.acceleration * -weight.mass;
+            let gradient = acceleration * -weight.mass;
             out.energy += gradient.dot(&p);
             out.add_force::<G, P>(at.frame(*point), &p, &gradient);
         }
@@ -162,15 +182,17 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         _: &(),
         Terms { frames: out, .. }: &mut Terms<D>,
     ) {
+        let acceleration = self.acceleration(at);
         for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
-            let gradient = self.acceleration * -weight.mass;
+            let gradient = acceleration * -weight.mass;
             out.add_curvature::<G, P>(at.frame(*point), &weight.place(at, *point), &gradient);
         }
     }
 
     fn add_magnitudes(&self, at: &State<G, D, P>, weights: &Vec<Weight<P>>, _: &(), out: &mut Magnitudes<P>) {
+        let acceleration = self.acceleration(at).norm();
         for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
-            let force = self.acceleration.norm() * weight.mass;
+            let force = acceleration * weight.mass;
             out.add_at_place(at.frame(*point), weight.place(at, *point), force);
         }
     }
@@ -184,17 +206,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         motion: &VirtualMotion<D, P>,
         gradient: &mut [f64],
     ) {
-        let p = at.parameters();
+        let (p, acceleration) = (at.parameters(), self.acceleration(at));
         for (PointMass { point, part }, Weight { volume, mass, centroid }) in self.masses.iter().zip(weights)
         {
             let pose = &at.kinematics.pose[at.frame(*point)];
             // The work of a unit mass at the point, and what it is more elsewhere in the frame.
-            let own = -self.acceleration.dot(&motion.velocities.points[*point]);
-            let beside = |place: &Vector<P>| {
+            let own = motion.velocities.points[*point];
+            let beside_it = |place: &Vector<P>| {
                 let place = pose.rotate(place);
-                -self.acceleration.dot(&motion.velocities.shifted::<G>(at.frame(*point), &place))
+                motion.velocities.shifted::<G>(at.frame(*point), &place)
             };
-            let work = own + beside(centroid);
+            let beside = |place: &Vector<P>| -acceleration.dot(&beside_it(place));
+            let velocity = own + beside_it(centroid);
+            add_spatial::<G, D, P>(gradient, self.acceleration, &(velocity * -*mass));
+            let work = -acceleration.dot(&velocity);
             let mut relative = |i: usize, power: f64| gradient[i] += power * mass * work / p[i];
             match *part {
                 Part::Rod(r, g) => {
@@ -210,7 +235,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                     let by_radius = mass_per_length(rod, g, p).by_radius;
                     let [along_y, along_z] = across::<G, D, P>();
                     let mut first = rod.masses[g];
-                    for (k, work) in [own, beside(&along_y), beside(&along_z)].into_iter().enumerate() {
+                    for (k, work) in
+                        [-acceleration.dot(&own), beside(&along_y), beside(&along_z)].into_iter().enumerate()
+                    {
                         let work = work * p[rod.length] * rod.gauss[g].weight;
                         gradient[radius] += by_radius[k] * work;
                         let count = if k == 0 { 3 } else { 4 };
@@ -243,12 +270,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         velocities: &Velocities<D, P>,
         work: &mut f64,
     ) {
+        let acceleration = self.acceleration(at);
         for (PointMass { point, .. }, weight) in self.masses.iter().zip(weights) {
             let frame = at.frame(*point);
             let centroid = at.kinematics.pose[frame].rotate(&weight.centroid);
             let velocity = velocities.points[*point] + velocities.shifted::<G>(frame, &centroid);
             let shifted = motion.velocities.shifted::<G>(frame, &velocity);
-            *work -= (self.acceleration * weight.mass).dot(&shifted);
+            *work -= (acceleration * weight.mass).dot(&shifted);
         }
     }
 }

@@ -7,6 +7,7 @@ use super::element::{ForceElement, ForceMemory, Velocities, VirtualMotion};
 use super::magnitudes::Magnitudes;
 use super::state::State;
 use super::terms::Terms;
+use crate::geometry::{add_spatial, spatial};
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::strain::Mode;
@@ -41,16 +42,21 @@ pub struct WrenchDescription {
     /// Whether it is scaled by a load input, of its name unless it shares one.
     #[serde(default)]
     pub input: bool,
+    /// Whether it may have a moment though it has none here.
+    #[serde(default)]
+    pub turns: bool,
 }
 
 /// A force and moment at a point.
 #[derive(Clone, Debug, PartialEq)]
-struct Wrench<const P: usize> {
+struct Wrench {
     point: usize,
     frame: usize,
-    force: Vector<P>,
-    /// Components about the rotation axes of the group.
-    moment: [f64; 3],
+    /// The first of three parameters each.
+    force: usize,
+    moment: usize,
+    /// Whether it may have a moment.
+    turns: bool,
     follower: bool,
     /// Load input that scales it.
     input: Option<usize>,
@@ -58,10 +64,10 @@ struct Wrench<const P: usize> {
 
 /// All point loads.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Wrenches<const P: usize>(Vec<Wrench<P>>);
+pub(crate) struct Wrenches(Vec<Wrench>);
 
-impl<const P: usize> Wrenches<P> {
-    pub fn build<G: LieGroup<D, P>, const D: usize>(
+impl Wrenches {
+    pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
         tree: &mut Tree<G, D, P>,
         wrenches: &[WrenchDescription],
     ) -> Result<Self, ModelError> {
@@ -71,7 +77,7 @@ impl<const P: usize> Wrenches<P> {
             finite(field("force"), &wrench.force)?;
             finite(field("moment"), &wrench.moment)?;
             let point = tree.attach(&field("at"), &wrench.at)?;
-            let force = G::point_from_spatial(&wrench.force)
+            G::point_from_spatial(&wrench.force)
                 .ok_or_else(|| ModelError::new(field("force"), "leaves the x–z plane of a planar system"))?;
             if P == 2 && (wrench.moment[0] != 0.0 || wrench.moment[2] != 0.0) {
                 return Err(ModelError::new(field("moment"), "a planar system turns about y only"));
@@ -80,16 +86,22 @@ impl<const P: usize> Wrenches<P> {
             let frame = tree.points[point].frame;
             tree.keep_jacobian(frame);
             let follower = wrench.frame == WrenchFrame::Body;
-            built.push(Wrench { point, frame, force, moment: wrench.moment, follower, input });
+            let mut slot = |what: &str, unit: &'static str, values: &[f64; 3]| {
+                tree.slot(format!("{}.{what}", wrench.name), unit, values).start
+            };
+            let force = slot("force", "N", &wrench.force);
+            let moment = slot("moment", "N*m", &wrench.moment);
+            let turns = wrench.turns || wrench.moment != [0.0; 3];
+            built.push(Wrench { point, frame, force, moment, turns, follower, input });
         }
         Ok(Self(built))
     }
 }
 
-impl<const P: usize> Wrench<P> {
+impl Wrench {
     /// A dead force has a potential; followers have none, and a dead moment only in the plane.
-    fn is_conservative(&self) -> bool {
-        !self.follower && (P == 2 || self.moment == [0.0; 3])
+    fn is_conservative<const P: usize>(&self) -> bool {
+        !self.follower && (P == 2 || !self.turns)
     }
 
     /// The multiple of the load.
@@ -97,36 +109,61 @@ impl<const P: usize> Wrench<P> {
         self.input.map_or(1.0, |i| load[i])
     }
 
+    /// Its force per unit of load.
+    fn force<G: LieGroup<D, P>, const D: usize, const P: usize>(&self, p: &[f64]) -> Vector<P> {
+        spatial::<G, D, P>(p, self.force)
+    }
+
+    /// Its moment per unit of load, as a wrench.
+    fn moment<G: LieGroup<D, P>, const D: usize, const P: usize>(&self, p: &[f64]) -> Vector<D> {
+        let mut w = Vector::ZERO;
+        for (axis, mode) in rotations::<G, D, P>() {
+            w[axis] = p[self.moment + mode];
+        }
+        w
+    }
+
     /// World wrench per unit of load; the sign convention is that of an applied load.
-    fn world_wrench<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>) -> Vector<D> {
+    fn world_wrench<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+    ) -> Vector<D> {
+        let p = at.parameters();
+        let (force, moment) = (self.force::<G, D, P>(p), self.moment::<G, D, P>(p));
         if !self.follower {
-            return G::point_jacobian(at.point(self.point)).transpose_times(&self.force)
-                + moment::<G, D, P>(self);
+            return G::point_jacobian(at.point(self.point)).transpose_times(&force) + moment;
         }
         let local = &at.geometry.points[self.point];
-        let body = G::point_jacobian(local).transpose_times(&self.force) + moment::<G, D, P>(self);
+        let body = G::point_jacobian(local).transpose_times(&force) + moment;
         at.kinematics.pose[self.frame].inverse().adjoint().transpose_times(&body)
     }
 
     /// The part of the wrench whose tangent has an antisymmetric half, and the sign of that half.
-    fn circulatory<G: LieGroup<D, P>, const D: usize>(&self, at: &State<G, D, P>) -> (Vector<D>, f64) {
-        if self.follower { (self.world_wrench(at), -0.5) } else { (moment::<G, D, P>(self), 0.5) }
+    fn circulatory<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        at: &State<G, D, P>,
+    ) -> (Vector<D>, f64) {
+        if self.follower {
+            (self.world_wrench(at), -0.5)
+        } else {
+            (self.moment::<G, D, P>(at.parameters()), 0.5)
+        }
     }
 }
 
-impl<const P: usize> ForceMemory<P> for Wrenches<P> {
+impl<const P: usize> ForceMemory<P> for Wrenches {
     type Design = ();
     type State = ();
     type Sensitivity = ();
 }
 
-impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Wrenches<P> {
+impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> for Wrenches {
     fn design(&self, _: &Tree<G, D, P>) {}
 
     fn state(&self, _: &Tree<G, D, P>) {}
 
     fn is_conservative(&self) -> bool {
-        self.0.iter().all(Wrench::is_conservative)
+        self.0.iter().all(Wrench::is_conservative::<P>)
     }
 
     fn max_couplings(&self) -> usize {
@@ -147,12 +184,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 out.wrench[wrench.frame] -= wrench.world_wrench(at) * size;
                 out.loaded[wrench.frame] = true;
             } else {
-                let force = wrench.force * size;
+                let force = wrench.force::<G, D, P>(at.parameters()) * size;
                 out.energy -= force.dot(p);
                 out.add_force::<G, P>(wrench.frame, p, &-force);
-                out.wrench[wrench.frame] -= moment::<G, D, P>(wrench) * size;
-                if P == 2 && wrench.moment[1] != 0.0 {
-                    out.energy -= size * wrench.moment[1] * at.kinematics.planar_angle(at.tree, wrench.frame);
+                out.wrench[wrench.frame] -= wrench.moment::<G, D, P>(at.parameters()) * size;
+                let about_y = at.parameters()[wrench.moment + 1];
+                if P == 2 && about_y != 0.0 {
+                    out.energy -= size * about_y * at.kinematics.planar_angle(at.tree, wrench.frame);
                 }
             }
         }
@@ -162,9 +200,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for wrench in &self.0 {
             let size = wrench.magnitude(at.load);
             if !wrench.follower {
-                out.add_curvature::<G, P>(wrench.frame, at.point(wrench.point), &(wrench.force * -size));
+                let force = wrench.force::<G, D, P>(at.parameters());
+                out.add_curvature::<G, P>(wrench.frame, at.point(wrench.point), &(force * -size));
             }
-            if !wrench.is_conservative() {
+            if !wrench.is_conservative::<P>() {
                 let (w, sign) = wrench.circulatory(at);
                 out.circulatory.push((wrench.frame, G::bracket_form(&w) * (sign * size)));
             }
@@ -173,9 +212,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
 
     fn add_magnitudes(&self, at: &State<G, D, P>, _: &(), _: &(), out: &mut Magnitudes<P>) {
         for wrench in &self.0 {
-            let size = wrench.magnitude(at.load);
-            out.add_at_point(at, wrench.point, size * wrench.force.norm());
-            out.add_moment(wrench.frame, size * moment::<G, D, P>(wrench).norm());
+            let (size, p) = (wrench.magnitude(at.load), at.parameters());
+            out.add_at_point(at, wrench.point, size * wrench.force::<G, D, P>(p).norm());
+            out.add_moment(wrench.frame, size * wrench.moment::<G, D, P>(p).norm());
         }
     }
 
@@ -193,16 +232,28 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         }
     }
 
-    /// No parameter scales a point load.
     fn add_parameter_work(
         &self,
-        _: &State<G, D, P>,
+        at: &State<G, D, P>,
         _: &(),
         _: &(),
         _: &(),
-        _: &VirtualMotion<D, P>,
-        _: &mut [f64],
+        motion: &VirtualMotion<D, P>,
+        gradient: &mut [f64],
     ) {
+        for wrench in &self.0 {
+            let size = wrench.magnitude(at.load);
+            let Velocities { twists, points } = motion.velocities;
+            let (mut velocity, mut twist) = (points[wrench.point], twists[wrench.frame]);
+            if wrench.follower {
+                let back = at.kinematics.pose[wrench.frame].inverse();
+                (velocity, twist) = (back.rotate(&velocity), back.adjoint() * twist);
+            }
+            add_spatial::<G, D, P>(gradient, wrench.force, &(velocity * -size));
+            for (axis, mode) in rotations::<G, D, P>() {
+                gradient[wrench.moment + mode] -= size * twist[axis];
+            }
+        }
     }
 
     fn add_geometric_work(
@@ -223,23 +274,20 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 let twist = &velocities.twists[frame];
                 let carried = G::ad(twist) * virtual_motion.twists[frame];
                 let slide = *velocity - G::point_jacobian(at.point(wrench.point)) * *twist;
-                let force = at.kinematics.pose[frame].rotate(&wrench.force);
+                let force = at.kinematics.pose[frame].rotate(&wrench.force::<G, D, P>(at.parameters()));
                 *work += size
                     * (wrench.world_wrench(at).dot(&carried)
                         - force.dot(&virtual_motion.shifted::<G>(frame, &slide)));
             } else {
-                *work -= size * wrench.force.dot(&virtual_motion.shifted::<G>(frame, velocity));
+                let force = wrench.force::<G, D, P>(at.parameters());
+                *work -= size * force.dot(&virtual_motion.shifted::<G>(frame, velocity));
             }
         }
     }
 }
 
-fn moment<G: LieGroup<D, P>, const D: usize, const P: usize>(wrench: &Wrench<P>) -> Vector<D> {
-    let mut w = Vector::ZERO;
-    for mode in [Mode::TwistX, Mode::BendY, Mode::BendZ] {
-        if let Some(axis) = G::axis(mode) {
-            w[axis] = wrench.moment[mode.index()];
-        }
-    }
-    w
+/// The rotations that the group has: the axis of each, and which of the three in space it is.
+fn rotations<G: LieGroup<D, P>, const D: usize, const P: usize>() -> impl Iterator<Item = (usize, usize)> {
+    let modes = [Mode::TwistX, Mode::BendY, Mode::BendZ];
+    modes.into_iter().filter_map(|mode| Some((G::axis(mode)?, mode.index())))
 }

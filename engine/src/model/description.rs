@@ -31,6 +31,9 @@ pub struct Description {
     pub planar: bool,
     /// Gravitational acceleration [m/s²].
     pub gravity: [f64; 3],
+    /// Whether there may be gravity though there is none here.
+    #[serde(default)]
+    pub weighs: bool,
     /// Bodies, parents before children.
     pub bodies: Vec<BodyDescription>,
     /// Named groups of spheres.

@@ -284,7 +284,7 @@ registry! {
     };
     actuators: Actuators = |tree, description| Actuators::build(tree, &description.actuators)?;
     pressures: Pressures = |tree, description| Pressures::build(tree, &description.pressures)?;
-    gravity: Gravity<P> = |tree, description| Gravity::build(tree, &description.gravity)?;
+    gravity: Gravity = |tree, description| Gravity::build(tree, &description.gravity, description.weighs)?;
     springs: Springs = |tree, description| Springs::build(tree, &description.springs)?;
     contacts: Contacts = |tree, description| Contacts::build(tree, &description.contacts)?;
     foundations: Foundations = |tree, description| Foundations::build(tree, &description.foundations)?;
@@ -293,7 +293,7 @@ registry! {
     tendons: Tendons<P> = |tree, description| {
         Tendons::build(tree, &description.tendons, &description.wraps)?
     };
-    wrenches: Wrenches<P> = |tree, description| Wrenches::build(tree, &description.wrenches)?;
+    wrenches: Wrenches = |tree, description| Wrenches::build(tree, &description.wrenches)?;
     ties: Ties<P> = |tree, description| Ties::build(tree, &description.ties)?;
     frictions: Frictions = |tree, description| Frictions::build(tree, description)?;
 }

@@ -146,7 +146,11 @@ mod tests {
         other.bodies[0].placement.translation[0] += 0.01;
         assert!(build(&other).has_structure_of(&model));
         other.gravity[2] = -9.81;
-        assert!(!build(&other).has_structure_of(&model));
+        let heavy = build(&other);
+        assert!(!heavy.has_structure_of(&model));
+        other.gravity[2] = 0.0;
+        other.weighs = true;
+        assert!(build(&other).has_structure_of(&heavy));
         let mut other = description.clone();
         other.bodies[1].joint.rest = vec![0.1];
         assert!(build(&other).has_structure_of(&model));

@@ -44,6 +44,8 @@ enum Geometric {
     RodRadius(usize),
     /// The fraction of a link's or a rod's length at which something is attached.
     Along(usize),
+    /// A component, along an axis in space, of the offset of points that these parameters hold.
+    Offset(usize, usize),
     /// A component of a body's translation.
     Translation(usize, usize),
     /// A component of a body's rotation vector.
@@ -88,6 +90,11 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
                 Place::Between(between, 0) => push(between.slot, Geometric::Along(between.slot)),
                 _ => {}
             }
+        }
+        let mut offsets: Vec<usize> = model.points.iter().filter_map(|point| point.offset).collect();
+        offsets.dedup();
+        for offset in offsets {
+            (0..3).for_each(|k| push(offset + k, Geometric::Offset(offset, k)));
         }
         for (b, body) in model.bodies.iter().enumerate() {
             for k in 0..3 {
@@ -152,6 +159,11 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
             if let Some((radius, direction)) = &point.surface {
                 let rate = radius_rate(model, p, *radius, kind);
                 velocity += data.kinematics.pose[frame].rotate(direction) * rate;
+            }
+            if let Geometric::Offset(slot, k) = kind
+                && point.offset == Some(slot)
+            {
+                velocity += data.kinematics.pose[frame].rotate(&along_axis::<G, D, P>(k));
             }
             self.points[i] = velocity;
         }
@@ -271,9 +283,7 @@ fn own_twist<G: LieGroup<D, P>, const D: usize, const P: usize>(
             _ => Vector::ZERO,
         },
         (Motion::Rigid(r), Geometric::Translation(b, k)) if model.bodies[b].placement == *r => {
-            let mut e = [0.0; 3];
-            e[k] = 1.0;
-            let direction = G::point_from_spatial(&e).unwrap_or(Vector::ZERO);
+            let direction = along_axis::<G, D, P>(k);
             translation_twist::<G, D, P>(&data.kinematics.pose[frame.parent].rotate(&direction))
         }
         (Motion::Rigid(r), Geometric::Rotation(b, k)) if model.bodies[b].placement == *r => {
@@ -292,6 +302,13 @@ fn own_twist<G: LieGroup<D, P>, const D: usize, const P: usize>(
         }
         _ => Vector::ZERO,
     }
+}
+
+/// The unit vector along an axis in space; none across the plane of a planar system.
+fn along_axis<G: LieGroup<D, P>, const D: usize, const P: usize>(k: usize) -> Vector<P> {
+    let mut e = [0.0; 3];
+    e[k] = 1.0;
+    G::point_from_spatial(&e).unwrap_or(Vector::ZERO)
 }
 
 /// A translation in the world as a twist.

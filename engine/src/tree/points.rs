@@ -9,8 +9,8 @@ pub(crate) struct Point<const P: usize> {
     /// Between sample points it depends on the design, and this is the rod's base.
     pub frame: usize,
     pub place: Place,
-    /// Constant part of the local position.
-    pub offset: Vector<P>,
+    /// The first of three parameters that hold a further part of the local position.
+    pub offset: Option<usize>,
     /// Multiple of the body's radius there that is added.
     pub surface: Option<(SphereRadius, Vector<P>)>,
 }

@@ -29,7 +29,15 @@ fn cantilever(planar: bool, force: [f64; 3], moment: [f64; 3], frame: WrenchFram
         offset: [0.0; 3],
         surface: [0.0; 3],
     };
-    d.wrenches.push(WrenchDescription { name: "tip".into(), at, force, moment, frame, input: true });
+    d.wrenches.push(WrenchDescription {
+        name: "tip".into(),
+        at,
+        force,
+        moment,
+        frame,
+        input: true,
+        turns: false,
+    });
     d
 }
 

@@ -210,6 +210,7 @@ fn pushed(planar: bool) -> Description {
         moment: [0.0; 3],
         frame: WrenchFrame::World,
         input: true,
+        turns: false,
     });
     d
 }

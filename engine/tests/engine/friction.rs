@@ -50,6 +50,7 @@ fn block(planar: bool, spring: f64) -> Description {
             moment: [0.0; 3],
             frame: WrenchFrame::World,
             input: true,
+            turns: false,
         });
     }
     d

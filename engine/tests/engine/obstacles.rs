@@ -49,6 +49,7 @@ fn block(planar: bool) -> Description {
         moment: [0.0; 3],
         frame: WrenchFrame::World,
         input: true,
+        turns: false,
     });
     d
 }

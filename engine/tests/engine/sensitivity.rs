@@ -29,9 +29,13 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(
     for (name, range) in model.layout().iter() {
         for i in range {
             // A planar system has no third direction to move in.
-            if D == 3 && (name.ends_with("translation") || name.ends_with("rotation")) {
-                let component = i - model.layout().get(name).unwrap().start;
-                if (component == 1) != name.ends_with("rotation") {
+            let whole = model.layout().get(name).unwrap();
+            if D == 3 && whole.len() == 3 {
+                let along =
+                    ["translation", "offset", "force", "gravity"].iter().any(|end| name.ends_with(end));
+                let about = ["rotation", "moment"].iter().any(|end| name.ends_with(end));
+                let across = i - whole.start == 1;
+                if along && across || about && !across {
                     continue;
                 }
             }

@@ -150,6 +150,7 @@ pub fn spatial_tree(
         moment,
         frame,
         input,
+        turns: false,
     };
     d.wrenches.push(wrench(
         "dead",
@@ -323,6 +324,7 @@ pub fn planar_tree(
         moment: [0.0, 0.02, 0.0],
         frame,
         input: true,
+        turns: false,
     });
     d
 }

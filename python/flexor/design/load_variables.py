@@ -9,8 +9,10 @@ import numpy as np
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown
+from flexor.model.units import LOAD_FACTOR
 
 if TYPE_CHECKING:
+    from flexor.model.schema import ModelFile
     from flexor.model.structure import Structure
 
 # Fields of a single input, with the one that has its step; and of several, by their names.
@@ -84,3 +86,19 @@ def largest_of(column: Array, name: str) -> float:
     if largest == 0.0:
         raise InputError(f'the loads of "{name}" cannot be varied: all of them are zero.')
     return largest
+
+
+def check_force(label: str, keys: tuple[str, ...], file: ModelFile, source: str) -> None:
+    """Refuse components of a wrench that its load multiplies while its length makes that a force.
+
+    InputError says so.
+    """
+    if keys[0] != "wrenches" or keys[2] not in ("force", "moment"):
+        return
+    wrench = file.wrenches[keys[1]]
+    if wrench.input and wrench.load is not LOAD_FACTOR:
+        raise InputError(
+            f'{source}: "{label}" cannot be varied: the loads of "{keys[1]}" are in '
+            f"{wrench.load.unit} because its {keys[2]} has length one; vary its loads, "
+            f'"evaluation.loads.{keys[1]}".'
+        )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from flexor.design.fields import replaced, value_of
 from flexor.errors import InputError
 from flexor.model.lowering import lower
 from flexor.model.schema import ModelFile
+from flexor.model.schema.friction import coefficient
 from flexor.model.schema.strap import Loop
 from flexor.model.structure import Structure
 
@@ -93,8 +95,9 @@ class Lowered:
         return replaced(self._model.file, dict(zip(self._fields, x.tolist(), strict=True)))
 
     def _lowered(self, x: Array, name: str) -> Array:
-        described = lower(self._file(x))
-        _keep(described, self._model.description)
+        file = self._file(x)
+        described = lower(file)
+        _keep(described, self._model.description, file)
         try:
             engine = _engine.Model(json.dumps(described))
         except ValueError as error:
@@ -111,7 +114,13 @@ class Lowered:
         guilty = [i for i in alone if self._is_other(i, own[i], x[i])]
         # What the least change is too much for is no parameter of the engine.
         fixed = [i for i in guilty if self._is_other(i, own[i], own[i] + 1e-6 * (x[i] - own[i]))]
-        said = _quoted([self._names[i] for i in fixed or guilty or alone])
+        absent = [i for i in fixed if own[i] == 0.0 and self._is_made(i, x[i])]
+        said = _quoted([self._names[i] for i in absent or fixed or guilty or alone])
+        if absent:
+            return (
+                f"{said} cannot be varied: {'they are' if len(absent) > 1 else 'it is'} zero in the "
+                "file, and the model is made without; give the file another value, such as by --set."
+            )
         if fixed:
             least = (
                 f"{'they are' if len(fixed) > 1 else 'it is'} fixed when the model is made; "
@@ -123,6 +132,17 @@ class Lowered:
             "such as a floor that is no thicker than its layer; narrow the bounds, or give values "
             "to choose from, such as by --choose."
         )
+
+    def _is_made(self, i: int, value: float) -> bool:
+        """Return whether the model that another value of one field makes can have others yet."""
+        files = [
+            replaced(self._model.file, {self._fields[i]: share * value}) for share in (1.0, 0.999)
+        ]
+        try:
+            made, other = (_engine.Model(json.dumps(lower(file))) for file in files)
+        except ValueError:
+            return False
+        return other.has_structure_of(made)
 
     def _is_other(self, i: int, own: float, value: float) -> bool:
         """Return whether another value of one field makes another model, or none."""
@@ -146,22 +166,44 @@ def parameters_with(model: Structure, changes: Mapping[Keys, float]) -> Array | 
         By the keys of a field; see `flexor.design.fields`.
     """
     try:
-        described = lower(replaced(model.file, changes))
-        _keep(described, model.description)
+        file = replaced(model.file, changes)
+        described = lower(file)
+        _keep(described, model.description, file)
         engine = _engine.Model(json.dumps(described))
     except ValueError:  # of the file, too: an `InputError` is one
         return None
     return engine.parameters.copy() if engine.has_structure_of(model.engine) else None
 
 
-def _keep(described: dict[str, object], own: dict[str, object]) -> None:
-    """Keep what is made once for the model: shares of the tip, and which rods touch themselves."""
-    for key in ("spheres", "contacts"):
-        mine = own.get(key, [])
+def _keep(described: dict[str, Any], own: Mapping[str, Any], file: ModelFile) -> None:
+    """Keep what is made once for the model.
+
+    Shares of the tip, which rods touch themselves, and that there is gravity, friction or a moment,
+    also where a design has none.
+    """
+    for key, stated in (("spheres", file.spheres), ("contacts", file.contacts)):
+        mine, new = own.get(key, []), {each["name"]: each for each in described.get(key, [])}
         if key in described or mine:
-            described[key] = mine
-    rubbing: dict[str, object] = {each["name"]: each for each in described.get("frictions", [])}  # type: ignore[attr-defined]
+            described[key] = [new[each["name"]] if each["name"] in stated else each for each in mine]
+    rubbing = {each["name"]: each for each in described.get("frictions", [])}
     if frictions := own.get("frictions"):
-        described["frictions"] = [rubbing.get(each["name"], each) for each in frictions]  # type: ignore[attr-defined]
-    for new, old in zip(described.get("foundations", ()), own.get("foundations", ()), strict=False):  # type: ignore[call-overload]
+        described["frictions"] = [
+            rubbing.get(each["name"], {**each, "coefficient": coefficient(each["name"], file)})
+            for each in frictions
+        ]
+    if own.get("weighs") or any(own["gravity"]):
+        described["weighs"] = True
+    for new, old in _pairs("wrenches", described, own):
+        new["turns"] = bool(old.get("turns")) or any(old["moment"])
+    for new, old in _pairs("tendons", described, own):
+        if "friction" in old:
+            new.setdefault("friction", {**old["friction"], "coefficient": 0.0})
+    for new, old in _pairs("foundations", described, own):
         new["tip"], new["alignment"] = old["tip"], old["alignment"]
+
+
+def _pairs(
+    key: str, described: Mapping[str, Any], own: Mapping[str, Any]
+) -> Iterator[tuple[dict[str, Any], Mapping[str, Any]]]:
+    """Yield the entries of a list with those of the model itself."""
+    return zip(described.get(key, ()), own.get(key, ()), strict=False)

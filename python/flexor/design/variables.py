@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from flexor.arrays import Array
 from flexor.design.field_map import FieldMap, field_map, field_map_again
 from flexor.design.fields import keys_of, refusal, value_of
-from flexor.design.load_variables import LoadVariable, largest_of, load_variable
+from flexor.design.load_variables import LoadVariable, check_force, largest_of, load_variable
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profiles import SPLINE, control_values, with_splines
 from flexor.design.slot_map_cache import cached
@@ -282,6 +282,7 @@ def field_variables(
             _check_fractions(label, ends, source)
             check_place(label, keys[1], file, source)
         if load is None:
+            check_force(label, keys, file, source)
             _check_ends(pair, ends, own, label, keys, file, source)
         lower.append(ends[0])
         upper.append(ends[1])

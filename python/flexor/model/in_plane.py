@@ -58,6 +58,7 @@ class InPlane:
     _normal: Array  # (3,)
     _height: float  # of the plane along its normal [m]
     _roots: Indices  # (b, 3), parameters of the places of bodies in the world
+    _gravity: Indices  # (3,), or (0,) without
     _alike: Indices  # (a, 2), parameters that are the same where fibres are one
 
     def parameters(self, which: Indices, values: Array) -> tuple[Indices, Array] | None:
@@ -77,7 +78,8 @@ class InPlane:
         """
         placing = np.isin(which, self._roots)
         alike = np.isin(which, self._alike)
-        used = np.isin(which, self._columns) | self._free[which] | placing | alike
+        falling = np.isin(which, self._gravity)
+        used = np.isin(which, self._columns) | self._free[which] | placing | alike | falling
         if (values[:, ~used] != self._own[which[~used]]).any():
             return None
         whole = np.repeat(self._own[None], len(values), axis=0)
@@ -85,6 +87,10 @@ class InPlane:
         if placing.any():
             heights = whole[:, self._roots] @ self._normal
             if not (np.abs(heights - self._height) <= _SAME * _size(whole[:, self._roots])).all():
+                return None
+        if falling.any():
+            weight = whole[:, self._gravity]
+            if (np.abs(weight @ self._normal) > _SAME * np.abs(weight).max(axis=1)).any():
                 return None
         if alike.any():
             first, second = whole[:, self._alike[:, 0]], whole[:, self._alike[:, 1]]
@@ -311,12 +317,12 @@ def _assembled(
             continue
         if last - first != stop - start:
             return None
-        if body in roots and part == "translation":
+        if name == "gravity" or (body in roots and part == "translation"):
             for axis in (0, 2):
                 weights = enumerate(plane.axes[:, axis].tolist())
                 terms += [(start + axis, first + k, weight) for k, weight in weights if weight]
-        elif part in ("translation", "rotation", "reference_strain"):
-            kept = {"translation": (0, 2), "rotation": (1,), "reference_strain": _STRAINS}[part]
+        elif stop - start > 1 and part in _KEPT:
+            kept = _KEPT[part]
             if not (body in roots and part == "rotation"):
                 terms += [(start + k, first + k, 1.0) for k in kept]
         else:
@@ -332,8 +338,15 @@ def _assembled(
         _normal=plane.axes[:, 1],
         _height=plane.height,
         _roots=np.array([np.arange(*space.slots[f"{name}.translation"]) for name in roots]),
+        _gravity=np.arange(*space.slots.get("gravity", (0, 0))),
         _alike=np.array(alike, dtype=np.intp).reshape(-1, 2),
     )
 
 
-_STRAINS = tuple(i for i, mode in enumerate(MODES) if mode in PLANAR_MODES)
+# Which entries of what has several count in the plane.
+_KEPT = {
+    "translation": (0, 2),
+    "offset": (0, 2),
+    "rotation": (1,),
+    "reference_strain": tuple(i for i, mode in enumerate(MODES) if mode in PLANAR_MODES),
+}

@@ -88,7 +88,7 @@ def _without_resistance(model: Structure) -> _engine.Model:
             joint.pop("upper", None)
             if "stiffness" in joint:
                 joint["stiffness"] = [0.0 for _ in joint["stiffness"]]
-        for key in ("torques", "couplings"):
+        for key in ("joint_torques", "joint_couplings"):
             described.pop(key, None)
         found = _BARE[model] = _engine.Model(json.dumps(described))
     return found

@@ -16,8 +16,8 @@ use crate::strain::Mode;
 use crate::tree::{GaussPoint, ModelError, Rod, Tree, finite};
 pub(crate) use path::Paths;
 use path::{
-    Actuator, PathColumn, PathPoint, RoutingPoint, add_strain, add_tangent_of, dot, tangent_by_offset,
-    tangent_of, unit_tangent,
+    Actuator, PathColumn, PathPoint, add_strain, add_tangent_of, dot, tangent_by_offset, tangent_of,
+    unit_tangent,
 };
 use serde::Deserialize;
 
@@ -71,11 +71,10 @@ impl Actuators {
                 finite(field(what), list.as_flattened())?;
             }
             finite(field("lever"), &actuator.lever)?;
-            let at = |gauss: &GaussPoint| RoutingPoint {
-                offset: actuator.path[gauss.point],
-                slope: actuator.path_slope[gauss.point],
-            };
-            let routing = tree.rods[rod].gauss.iter().map(at).collect();
+            let at = |gauss: &GaussPoint| [actuator.path[gauss.point], actuator.path_slope[gauss.point]];
+            let path: Vec<[[f64; 2]; 2]> = tree.rods[rod].gauss.iter().map(at).collect();
+            let path = tree.slot(format!("{}.path", actuator.name), "m", path.as_flattened().as_flattened());
+            let routing = path.step_by(4).collect();
             let lever = tree.slot(format!("{}.lever", actuator.name), "m", &actuator.lever).start;
             let sign = if actuator.kind == ActuatorKind::Chamber { 1.0 } else { -1.0 };
             let input = tree.input(&actuator.name);
@@ -116,7 +115,7 @@ impl Actuators {
     ) {
         let actuator = &self.0[actuator];
         let rod = &tree.rods[actuator.rod];
-        for (routing, gauss) in actuator.routing.iter().zip(&rod.gauss) {
+        for (routing, gauss) in actuator.routing.iter().copied().zip(&rod.gauss) {
             let path = actuator.path(rod, gauss, routing, p);
             let point = PointSensitivity::of::<G, D, P>(rod, gauss, path, p, q);
             let weight = factor * actuator.sign * gauss.weight;
@@ -128,6 +127,8 @@ impl Actuators {
                 gradient[radius] += lever * by_offset;
                 gradient[slope] += lever * by_slope;
                 gradient[actuator.lever + i] += p[radius] * by_offset + p[slope] * by_slope;
+                gradient[routing + i] += by_offset;
+                gradient[routing + 2 + i] += by_slope;
             }
             gradient[rod.length] += weight * dot(&point.unit, &point.by_length);
             for mode in G::AXES {
@@ -256,7 +257,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let rod = &tree.rods[actuator.rod];
             let length = p[rod.length];
             for (routing, gauss) in actuator.routing.iter().zip(&rod.gauss) {
-                let [d, slope] = actuator.path(rod, gauss, routing, p);
+                let [d, slope] = actuator.path(rod, gauss, *routing, p);
                 let base = reference_tangent(rod, p, [d, slope]);
                 let ends = paths.push_columns(gauss, length, d, tree.dof);
                 paths.points.push(PathPoint { base, weight: gauss.weight, ends });
@@ -344,7 +345,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let load = at.load[actuator.input];
             let rod = &at.tree.rods[actuator.rod];
             for (routing, gauss) in actuator.routing.iter().zip(&rod.gauss) {
-                let path = actuator.path(rod, gauss, routing, at.parameters());
+                let path = actuator.path(rod, gauss, *routing, at.parameters());
                 let mut point = PointSensitivity::of::<G, D, P>(rod, gauss, path, at.parameters(), at.q);
                 point.tension = -actuator.sign * load * gauss.weight;
                 points.push(point);
@@ -367,7 +368,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for actuator in &self.0 {
             let rod = &at.tree.rods[actuator.rod];
             let length = p[rod.length];
-            for (gauss, point) in rod.gauss.iter().zip(points.by_ref().take(actuator.routing.len())) {
+            let routing = actuator.routing.iter().copied();
+            for ((gauss, routing), point) in rod.gauss.iter().zip(routing).zip(points.by_ref()) {
                 let PointSensitivity { offset, unit, norm, tension, by_offset, by_length } = point;
                 let (radius, slope) = (rod.radius.start + gauss.point, rod.slope.start + gauss.point);
                 let mut strain = [0.0; 6];
@@ -387,6 +389,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                     gradient[radius] += lever * by_offset;
                     gradient[slope] += lever * by_slope;
                     gradient[actuator.lever + i] += p[radius] * by_offset + p[slope] * by_slope;
+                    gradient[routing + i] += by_offset;
+                    gradient[routing + 2 + i] += by_slope;
                 }
                 for mode in G::AXES {
                     let m = mode.index();

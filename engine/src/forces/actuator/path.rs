@@ -14,23 +14,17 @@ pub(super) struct Actuator {
     pub sign: f64,
     /// Parameter holding the lever (y, z).
     pub lever: usize,
-    /// One per Gauss point of the rod.
-    pub routing: Vec<RoutingPoint>,
-}
-
-/// The design-independent part of the path at a Gauss point.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct RoutingPoint {
-    pub offset: [f64; 2],
-    pub slope: [f64; 2],
+    /// For each Gauss point of the rod the first of four parameters that hold the part of the path that does not
+    /// depend on its radius: offset (y, z) and slope.
+    pub routing: Vec<usize>,
 }
 
 impl Actuator {
     /// Offset d and slope d′ of the path at a Gauss point.
-    pub fn path(&self, rod: &Rod, gauss: &GaussPoint, routing: &RoutingPoint, p: &[f64]) -> [[f64; 2]; 2] {
+    pub fn path(&self, rod: &Rod, gauss: &GaussPoint, routing: usize, p: &[f64]) -> [[f64; 2]; 2] {
         let (s, slope) = (p[rod.radius.start + gauss.point], p[rod.slope.start + gauss.point]);
-        let along = |i: usize, size: f64, fixed: [f64; 2]| fixed[i] + p[self.lever + i] * size;
-        [[0, 1].map(|i| along(i, s, routing.offset)), [0, 1].map(|i| along(i, slope, routing.slope))]
+        let along = |i: usize, size: f64, fixed: usize| p[fixed + i] + p[self.lever + i] * size;
+        [[0, 1].map(|i| along(i, s, routing)), [0, 1].map(|i| along(i, slope, routing + 2))]
     }
 }
 

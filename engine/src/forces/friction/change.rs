@@ -20,7 +20,8 @@ pub(crate) struct PointMotion<const P: usize> {
     /// How the normal turns with the second body.
     pub turn: Vector<P>,
     pub pressed: PressedChange<P>,
-    /// Of the coefficient of friction.
+    /// Of the ratio of the stiffnesses, and of the coefficient of friction.
+    pub ratio: f64,
     pub coefficient: f64,
     pub start: StartChange<P>,
 }
@@ -66,7 +67,7 @@ impl<const P: usize> FrictionPoint<P> {
         let pressing = normal.dot(&motion.pressed.force);
         let turned = (motion.pressed.force - normal * pressing) * (1.0 / size) - motion.turn;
         let turned = back.rotate(&turned);
-        let stiffness = ratio * motion.pressed.stiffness;
+        let stiffness = ratio * motion.pressed.stiffness + motion.ratio * pressed.stiffness;
         let limit = coefficient * pressing + motion.coefficient * size;
 
         let [by_first, by_second] = &motion.over;
@@ -155,10 +156,11 @@ impl Frictions {
                 over,
                 turn: velocities.shifted::<G>(second, &normal),
                 pressed: change,
+                ratio: 0.0,
                 coefficient: 0.0,
                 start: StartChange::ZERO,
             };
-            let constants = (friction.ratio, at.parameters()[friction.coefficient]);
+            let constants = friction.constants(at.parameters());
             let changed = point.change(at, &memory.start, constants, presses, &motion);
             let now = point.at(at);
             // In a step the point moves with the first body.

@@ -30,13 +30,18 @@ pub(crate) struct Friction {
     pub source: Source,
     /// Parameter holding μ.
     pub coefficient: usize,
-    /// Ratio of tangential to normal stiffness.
-    pub ratio: f64,
+    /// Parameter holding the ratio of tangential to normal stiffness.
+    pub ratio: usize,
     /// Largest number of points at once.
     pub most: usize,
 }
 
 impl Friction {
+    /// The ratio and the coefficient.
+    pub fn constants(&self, p: &[f64]) -> (f64, f64) {
+        (p[self.ratio], p[self.coefficient])
+    }
+
     pub fn build<G: LieGroup<D, P>, const D: usize, const P: usize>(
         tree: &mut Tree<G, D, P>,
         friction: &FrictionDescription,
@@ -63,7 +68,9 @@ impl Friction {
                 groups.sum::<Result<usize, _>>()? * model.obstacles[i].surfaces.len()
             }
         };
-        let slot = tree.slot(format!("{name}.friction"), "1", &[friction.coefficient]);
-        Ok(Self { source, coefficient: slot.start, ratio: friction.stiffness_ratio, most })
+        let mut slot = |what: &str, value: f64| tree.slot(format!("{name}.{what}"), "1", &[value]).start;
+        let coefficient = slot("friction", friction.coefficient);
+        let ratio = slot("friction_ratio", friction.stiffness_ratio);
+        Ok(Self { source, coefficient, ratio, most })
     }
 }

@@ -78,10 +78,11 @@ impl Frictions {
                 over: [first, second].map(|frame| pressed.place - jacobian * twists[frame]),
                 turn: direction.velocities.shifted::<G>(second, &normal),
                 pressed,
+                ratio: direction.of(friction.ratio),
                 coefficient: direction.of(friction.coefficient),
                 start: StartChange::ZERO,
             };
-            let constants = (friction.ratio, at.parameters()[friction.coefficient]);
+            let constants = friction.constants(at.parameters());
             let mut change = point.change(at, &memory.start, constants, presses, &motion);
             change.gradient += direction.velocities.shifted::<G>(second, &point.at(at).gradient);
             PointSlope { place: pressed.place, change }
@@ -104,12 +105,13 @@ impl Frictions {
         let each = memory.points.iter().map(|point| {
             let Merged { friction, whole: presses, .. } = &memory.pressed[point.pressed];
             let friction = &self.0[*friction];
-            let constants = (friction.ratio, at.parameters()[friction.coefficient]);
+            let constants = friction.constants(at.parameters());
             let change = |start: &StartChange<P>| {
                 let still = PointMotion {
                     over: [Vector::ZERO; 2],
                     turn: Vector::ZERO,
                     pressed: PressedChange::ZERO,
+                    ratio: 0.0,
                     coefficient: 0.0,
                     start: *start,
                 };

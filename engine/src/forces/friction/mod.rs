@@ -169,11 +169,8 @@ impl Frictions {
         at: &State<G, D, P>,
         Merged { friction, whole, .. }: &Merged<P>,
     ) -> Law {
-        let friction = &self.0[*friction];
-        Law {
-            stiffness: friction.ratio * whole.stiffness,
-            limit: at.parameters()[friction.coefficient] * whole.force.norm(),
-        }
+        let (ratio, coefficient) = self.0[*friction].constants(at.parameters());
+        Law { stiffness: ratio * whole.stiffness, limit: coefficient * whole.force.norm() }
     }
 
     /// Ends a step: gives up the slip beyond the limit. The next one begins here.
@@ -284,7 +281,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     }
 
     fn is_admissible(&self, parameters: &[f64]) -> bool {
-        self.0.iter().all(|friction| parameters[friction.coefficient] >= 0.0)
+        self.0.iter().all(|friction| {
+            let (ratio, coefficient) = friction.constants(parameters);
+            ratio > 0.0 && coefficient >= 0.0
+        })
     }
 
     fn max_couplings(&self) -> usize {

@@ -104,7 +104,7 @@ impl<const P: usize> Obstacle<P> {
         finite(field("at"), &*place)?;
         let offset = G::point_from_spatial(&std::mem::take(place))
             .ok_or_else(|| ModelError::new(field("at"), "leaves the x–z plane of a planar system"))?;
-        let point = tree.attach(&field("at"), &at)?;
+        let point = tree.attach_without_offset(&field("at"), &at)?;
         let offset = tree.slot(format!("{}.offset", obstacle.name), "m", &offset.0).start;
         let frame = tree.points[point].frame;
         tree.keep_jacobian(frame);

@@ -14,10 +14,17 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             let field = format!("spheres.{}", group.name);
             let start = self.spheres.len();
             for sphere in &group.spheres {
-                let (frame, place) = self.locate(&field, &sphere.body, sphere.station)?;
+                let (frame, mut place) = self.locate(&field, &sphere.body, sphere.station)?;
+                if let Place::Fraction(link, f) = place
+                    && f > 0.0
+                    && f < 1.0
+                {
+                    let name = format!("{}[{}].along", group.name, self.spheres.len() - start);
+                    place = Place::Along(link, self.slot(name, "1", &[f]).start);
+                }
                 let radius = self.radius_at(&field, &sphere.body, sphere.station, place)?;
                 self.spheres.push(Sphere { point: self.points.len(), radius });
-                self.points.push(Point { frame, place, offset: Vector::ZERO, surface: None });
+                self.points.push(Point { frame, place, offset: None, surface: None });
             }
             if self.sphere_groups.iter().any(|(name, _)| *name == group.name) {
                 return Err(ModelError::new(field, "two sphere groups have this name"));
@@ -37,29 +44,49 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
 
     /// Appends the point of an attachment.
     pub(crate) fn attach(&mut self, field: &str, at: &AttachmentDescription) -> Result<usize, ModelError> {
-        let local = |vector: &[f64; 3]| {
-            finite(field, vector)?;
-            G::point_from_spatial(vector)
-                .ok_or_else(|| ModelError::new(field, "leaves the x–z plane of a planar system"))
-        };
+        let point = self.attach_without_offset(field, at)?;
+        let (AttachmentDescription::World { world: offset } | AttachmentDescription::Body { offset, .. }) =
+            at;
+        self.points[point].offset = Some(self.offset_slot(field, offset)?);
+        Ok(point)
+    }
+
+    /// The same at the station itself, or at the origin of the world.
+    pub(crate) fn attach_without_offset(
+        &mut self,
+        field: &str,
+        at: &AttachmentDescription,
+    ) -> Result<usize, ModelError> {
         let point = match at {
-            AttachmentDescription::World { world } => {
-                Point { frame: 0, place: Place::Frame, offset: local(world)?, surface: None }
+            AttachmentDescription::World { .. } => {
+                Point { frame: 0, place: Place::Frame, offset: None, surface: None }
             }
-            AttachmentDescription::Body { body, station, offset, surface } => {
+            AttachmentDescription::Body { body, station, surface, .. } => {
                 let (frame, mut place) = self.locate(field, body, *station)?;
                 if let Place::Fraction(link, f) = place {
-                    let owner = field.split_once('.').map_or(field, |(_, owner)| owner);
-                    place = Place::Along(link, self.slot(format!("{owner}.along"), "1", &[f]).start);
+                    place = Place::Along(link, self.slot(owned(field, "along"), "1", &[f]).start);
                 }
-                let direction = local(surface)?;
+                let direction = Self::local(field, surface)?;
                 let radius = self.radius_at(field, body, *station, place)?;
                 let surface = (direction != Vector::ZERO).then_some((radius, direction));
-                Point { frame, place, offset: local(offset)?, surface }
+                Point { frame, place, offset: None, surface }
             }
         };
         self.points.push(point);
         Ok(self.points.len() - 1)
+    }
+
+    /// A vector in a local frame.
+    fn local(field: &str, vector: &[f64; 3]) -> Result<Vector<P>, ModelError> {
+        finite(field, vector)?;
+        G::point_from_spatial(vector)
+            .ok_or_else(|| ModelError::new(field, "leaves the x–z plane of a planar system"))
+    }
+
+    /// The parameters of the offset of an attachment.
+    fn offset_slot(&mut self, field: &str, offset: &[f64; 3]) -> Result<usize, ModelError> {
+        Self::local(field, offset)?;
+        Ok(self.slot(owned(field, "offset"), "m", offset).start)
     }
 
     /// Appends the points of an attachment to a rod at a fraction of its length: one that the sample point
@@ -75,16 +102,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
         };
         finite(field, &[*fraction])?;
         let rod = self.rod(field, body)?;
-        let (_, owner) = field.split_once('.').unwrap_or(("", field));
-        let between = Between { rod, slot: self.slot(format!("{owner}.along"), "1", &[*fraction]).start };
+        let between = Between { rod, slot: self.slot(owned(field, "along"), "1", &[*fraction]).start };
         let (_, Body { base_frame, tip_frame, .. }) = self.body(field, body)?;
         let (frame, last) = (*base_frame, *tip_frame);
-        let local = |vector: &[f64; 3]| {
-            finite(field, vector)?;
-            G::point_from_spatial(vector)
-                .ok_or_else(|| ModelError::new(field, "leaves the x–z plane of a planar system"))
-        };
-        let (offset, direction) = (local(offset)?, local(surface)?);
+        let direction = Self::local(field, surface)?;
+        let offset = Some(self.offset_slot(field, offset)?);
         let first = self.points.len();
         for side in [0, 1] {
             let surface =
@@ -161,4 +183,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             }
         }
     }
+}
+
+/// The name of a parameter of an attachment, given its field in the description, such as `springs.strap.first`.
+fn owned(field: &str, what: &str) -> String {
+    let owner = field.split_once('.').map_or(field, |(_, owner)| owner);
+    format!("{owner}.{what}")
 }

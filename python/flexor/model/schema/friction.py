@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flexor.model.schema.body import Rod
 from flexor.model.schema.body_system import BodySystem
@@ -11,6 +11,9 @@ from flexor.model.schema.contact import Contact
 from flexor.model.schema.foundation import lower_self_contact, lower_skins
 from flexor.model.schema.obstacle import Obstacle
 from flexor.model.schema.tendon import Tendon
+
+if TYPE_CHECKING:
+    from flexor.model.schema.model_file import ModelFile
 
 
 class Friction(NamedTuple):
@@ -39,6 +42,12 @@ def frictions(system: BodySystem) -> Iterator[Friction]:
             if body.friction > 0.0 and own in found:
                 described = {"name": own, "coefficient": float(body.friction)}
                 yield Friction("bodies", name, described)
+
+
+def coefficient(name: str, file: ModelFile) -> float:
+    """Return the coefficient of a friction, which may be zero, by its name to the engine."""
+    own = file.contacts.get(name) or file.obstacles.get(name)
+    return float((own or file.rod(name.rpartition(".")[0])).friction)
 
 
 def rough_tendons(system: BodySystem) -> Iterator[str]:
