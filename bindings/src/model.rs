@@ -578,6 +578,7 @@ impl Model {
             ("energy", found.energy),
             ("tip_force", found.tip_force),
             ("max_overlap", found.overlap),
+            ("max_centreline_depth", found.centreline),
             ("max_contact_pressure", found.pressure),
             ("dissipated", found.dissipated),
         ] {

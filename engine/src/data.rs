@@ -213,10 +213,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     }
 
     fn summary_and_tip(&self, model: &Model<G, D, P>) -> (ContactSummary, Vector<P>) {
-        let (parameters, states) = (&self.design.geometry.parameters, &self.assembly.forces);
+        let (at, states) = (self.state(model, &[], &[]), &self.assembly.forces);
         let (mut summary, mut tip) = (ContactSummary::default(), Vector::ZERO);
-        model.forces.contacts.summarise(parameters, &states.contacts, &mut summary, &mut tip);
-        model.forces.foundations.summarise(&self.state(model, &[], &[]), &mut summary, &mut tip);
+        model.forces.contacts.summarise(&at, &states.contacts, &mut summary, &mut tip);
+        model.forces.foundations.summarise(&at, &mut summary, &mut tip);
         summary.pressure = summary.pressure.max(model.forces.obstacles.largest_pressure(&states.obstacles));
         summary.tip_force = tip.norm();
         (summary, tip)

@@ -8,7 +8,7 @@ use crate::model::Model;
 
 /// Results of the steps of one or several designs: row-major arrays over (design, step).
 ///
-/// Missing states and energies are NaN, missing contacts zero; the status gives the reason.
+/// Missing states, energies and depths of centrelines are NaN, missing contacts zero; the status gives the reason.
 #[derive(Clone, Debug, Default)]
 pub struct PathResults {
     /// States, `dof` numbers per step.
@@ -35,6 +35,8 @@ pub struct PathResults {
     pub applied: Vec<f64>,
     /// Largest overlap of a contact [m].
     pub overlap: Vec<f64>,
+    /// How deep the centreline of a rod is at most in what it touches [m].
+    pub centreline: Vec<f64>,
     /// Largest pressure on an elastic foundation [Pa].
     pub pressure: Vec<f64>,
     /// Volume of each pressurised cavity [m³].
@@ -155,6 +157,7 @@ impl PathResults {
         self.touching[row] = contact.touching;
         self.tip_force[row] = contact.tip_force;
         self.overlap[row] = contact.overlap;
+        self.centreline[row] = contact.centreline.unwrap_or(f64::NAN);
         self.pressure[row] = contact.pressure;
         last(&mut self.q, report.q.len()).copy_from_slice(report.q);
         let applied = system.applied_load();
@@ -215,12 +218,13 @@ impl PathResults {
     fn missing_as_nan<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         model: &Model<G, D, P>,
-    ) -> [(&mut Vec<f64>, usize); 15] {
+    ) -> [(&mut Vec<f64>, usize); 16] {
         [
             (&mut self.q, model.dof()),
             (&mut self.residual, 1),
             (&mut self.tolerance, 1),
             (&mut self.energy, 1),
+            (&mut self.centreline, 1),
             (&mut self.applied, model.inputs().len()),
             (&mut self.volume, model.pressure_count()),
             (&mut self.rod_bending, model.rods.len()),
@@ -255,6 +259,7 @@ impl PathResults {
         self.tip_force.extend(other.tip_force);
         self.applied.extend(other.applied);
         self.overlap.extend(other.overlap);
+        self.centreline.extend(other.centreline);
         self.pressure.extend(other.pressure);
         self.volume.extend(other.volume);
         self.rod_bending.extend(other.rod_bending);

@@ -4,19 +4,26 @@ use crate::strain::Mode;
 use crate::tree::description::Section;
 use std::f64::consts::PI;
 
-/// The factors of S⁴ (angular modes) and S² (linear modes), in the order of ξ.
-pub(crate) fn factors(section: Section) -> [f64; 6] {
-    let (torsion, bend_y, bend_z, area) = match section {
-        Section::Circular => (PI / 2.0, PI / 4.0, PI / 4.0, PI),
+/// The factors of S⁴ in torsion and in bending about y and z, and that of S² of the area; none of fibres.
+pub(crate) fn factors(section: Section) -> Option<[f64; 4]> {
+    Some(match section {
+        Section::Circular => [PI / 2.0, PI / 4.0, PI / 4.0, PI],
         Section::Elliptic { ratio: r } => {
-            (PI * r.powi(3) / (r * r + 1.0), PI / 4.0 * r, PI / 4.0 * r.powi(3), PI * r)
+            [PI * r.powi(3) / (r * r + 1.0), PI / 4.0 * r, PI / 4.0 * r.powi(3), PI * r]
         }
         Section::Rectangular { ratio: r } => {
-            (rectangle_torsion(r), 4.0 / 3.0 * r, 4.0 / 3.0 * r.powi(3), 4.0 * r)
+            [rectangle_torsion(r), 4.0 / 3.0 * r, 4.0 / 3.0 * r.powi(3), 4.0 * r]
         }
-        Section::Fibres => return [0.0; 6],
-    };
-    [torsion, bend_y, bend_z, area, area, area]
+        Section::Fibres => return None,
+    })
+}
+
+/// Which factor is that of the area.
+pub(crate) const AREA: usize = 3;
+
+/// Which factor a mode has: linear ones that of the area.
+pub(crate) fn factor_of(mode: Mode) -> usize {
+    mode.index().min(AREA)
 }
 
 /// Saint-Venant torsion constant of a rectangle with half-sides 1 and `r`, by its series.
@@ -48,8 +55,8 @@ mod tests {
 
     #[test]
     fn ellipse_of_ratio_one_is_a_circle() {
-        let circle = factors(Section::Circular);
-        for (a, b) in factors(Section::Elliptic { ratio: 1.0 }).iter().zip(circle) {
+        let circle = factors(Section::Circular).unwrap();
+        for (a, b) in factors(Section::Elliptic { ratio: 1.0 }).unwrap().iter().zip(circle) {
             assert!((a - b).abs() < 1e-14);
         }
     }

@@ -70,6 +70,7 @@ class Paths(TypedDict):
     touching: NDArray[np.uint32]
     tip_force: NDArray[np.float64]
     max_overlap: NDArray[np.float64]
+    max_centreline_depth: NDArray[np.float64]
     max_contact_pressure: NDArray[np.float64]
     volume: NDArray[np.float64]  # (…, pressures)
     rod_bending: NDArray[np.float64]  # (…, rods)

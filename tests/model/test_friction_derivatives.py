@@ -88,6 +88,8 @@ VARIED = (
     ("plate.translation", 0.1),
     ("plate.joint_stiffness", 0.5),
     ("desk.friction", 0.6),
+    ("desk.friction_ratio", 0.3),
+    ("draw.force", 0.1),
 )
 DESIGNS = 30
 _STEP = 1e-5

@@ -25,12 +25,13 @@ struct ModeStiffness {
 
 fn mode_stiffness(rod: &Rod, parameters: &[f64]) -> [ModeStiffness; 6] {
     let [young, shear] = [rod.young_modulus, rod.shear_modulus].map(|i| parameters[i]);
-    let (length, factors) = (parameters[rod.length], section::factors(rod.section));
+    let length = parameters[rod.length];
     Mode::ALL.map(|mode| {
         let modulus = section::modulus(mode, young, shear);
+        let factor = rod.factors.map_or(0.0, |factors| parameters[factors + section::factor_of(mode)]);
         ModeStiffness {
             modulus,
-            rigidity: modulus * factors[mode.index()],
+            rigidity: modulus * factor,
             // q is L·κ or ε, so the energy density per unit X is EI q²/L or EA L q².
             length: if mode.is_angular() { 1.0 / length } else { length },
             power: section::power(mode),
@@ -155,6 +156,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 gradient[rod.length] += if mode.is_angular() { -work } else { work } / p[rod.length];
                 let young = matches!(mode, Mode::BendY | Mode::BendZ | Mode::ExtendX);
                 gradient[if young { rod.young_modulus } else { rod.shear_modulus }] += work / modulus;
+                if let Some(factors) = rod.factors {
+                    let factor = factors + section::factor_of(mode);
+                    gradient[factor] += work / p[factor];
+                }
             }
         }
     }

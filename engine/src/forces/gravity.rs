@@ -136,7 +136,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let (volume, density) = match *part {
                 Part::Rod(r, g) => {
                     let (rod, gauss) = (&tree.rods[r], &tree.rods[r].gauss[g]);
-                    let area = section::factors(rod.section)[3] * p[rod.radius.start + gauss.point].powi(2);
+                    let factor = rod.factors.map_or(0.0, |factors| p[factors + section::AREA]);
+                    let area = factor * p[rod.radius.start + gauss.point].powi(2);
                     (area * p[rod.length] * gauss.weight, p[rod.density])
                 }
                 Part::Fibres(r, g) => {
@@ -226,6 +227,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                     let rod = &at.tree.rods[r];
                     relative(rod.radius.start + rod.gauss[g].point, 2.0);
                     relative(rod.length, 1.0);
+                    if let Some(factors) = rod.factors {
+                        relative(factors + section::AREA, 1.0);
+                    }
                     gradient[rod.density] += volume * work;
                 }
                 Part::Fibres(r, g) => {

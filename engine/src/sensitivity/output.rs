@@ -1,7 +1,7 @@
 //! Numbers that an equilibrium gives and that can be differentiated.
 
 use crate::data::Data;
-use crate::forces::differential::{Differential, Largest, is_tied};
+use crate::forces::differential::{Depth, Differential, Largest, is_tied};
 use crate::forces::tie::TieOutput;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
@@ -17,6 +17,8 @@ pub(crate) enum Output {
     TipForce,
     /// The largest overlap of contacts.
     Overlap,
+    /// How deep the centreline of a rod is at most in what it touches.
+    Centreline,
     /// The largest pressure on elastic foundations.
     Pressure,
     /// The least or greatest stretch of the fibres of a material.
@@ -44,11 +46,12 @@ pub(crate) enum Output {
 /// Names of groups of outputs with the number of each, in their order.
 pub fn output_groups<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
-) -> [(&'static str, usize); 14] {
+) -> [(&'static str, usize); 15] {
     [
         ("joints", model.joints.len()),
         ("tip_force", 1),
         ("max_overlap", 1),
+        ("max_centreline_depth", 1),
         ("max_contact_pressure", 1),
         ("stretch", 2 * model.material_count()),
         ("springs", model.forces.springs.count()),
@@ -70,19 +73,20 @@ impl Output {
             0 => Self::Joint(index),
             1 => Self::TipForce,
             2 => Self::Overlap,
-            3 => Self::Pressure,
-            4 => Self::Stretch(index / 2, if index % 2 == 0 { -1.0 } else { 1.0 }),
-            5 => Self::Spring(index),
-            6 => Self::Loop(index),
-            7 => Self::Obstacle(index),
-            8 => Self::Volume(index),
-            9 => Self::RodBending(index),
-            10 => {
+            3 => Self::Centreline,
+            4 => Self::Pressure,
+            5 => Self::Stretch(index / 2, if index % 2 == 0 { -1.0 } else { 1.0 }),
+            6 => Self::Spring(index),
+            7 => Self::Loop(index),
+            8 => Self::Obstacle(index),
+            9 => Self::Volume(index),
+            10 => Self::RodBending(index),
+            11 => {
                 let each = TieOutput::ALL;
                 Self::Tie(index / each.len(), each[index % each.len()])
             }
-            11 => Self::TendonLength(index),
-            12 => Self::TendonTension(index),
+            12 => Self::TendonLength(index),
+            13 => Self::TendonTension(index),
             _ => Self::Applied(index),
         };
         let groups = output_groups(model);
@@ -108,15 +112,21 @@ impl Output {
                 forces.foundations.add_tip_force(&at, &states.foundations, &direction, weight, out);
             }
             Self::Overlap => {
-                let mut largest = Largest::new();
-                let mut offer = |depth: crate::forces::differential::Depth<P>| {
-                    largest.offer(depth.depth, depth, |other| other.is_same(&depth));
-                };
-                forces.contacts.for_each_depth(&states.contacts, &mut offer);
-                forces.foundations.for_each_depth(&at, &mut offer);
+                let largest = deepest(model, data, |depth| Some(depth.depth));
                 if let Some(depth) = largest.place {
                     out.tied |= largest.tied;
                     depth.add(&model.tree, at.parameters(), weight, out);
+                }
+            }
+            Self::Centreline => {
+                let radii = &data.design.geometry.radii;
+                let largest = deepest(model, data, |Depth { depth, spheres: [sphere, ..], .. }| {
+                    model.spheres[*sphere].is_on_rod().then(|| depth - radii[*sphere])
+                });
+                if let Some(depth) = largest.place {
+                    out.tied |= largest.tied;
+                    depth.add(&model.tree, at.parameters(), weight, out);
+                    out.add_radius(&model.tree, at.parameters(), depth.spheres[0], -weight);
                 }
             }
             Self::Pressure => {
@@ -154,4 +164,21 @@ impl Output {
             Self::Applied(_) => {}
         }
     }
+}
+
+/// The largest of numbers that some contacts have, with its contact.
+fn deepest<G: LieGroup<D, P>, const D: usize, const P: usize>(
+    model: &Model<G, D, P>,
+    data: &Data<G, D, P>,
+    number: impl Fn(&Depth<P>) -> Option<f64>,
+) -> Largest<Depth<P>> {
+    let mut largest = Largest::new();
+    let mut offer = |depth: Depth<P>| {
+        if let Some(value) = number(&depth) {
+            largest.offer(value, depth, |other| other.is_same(&depth));
+        }
+    };
+    model.forces.contacts.for_each_depth(&data.assembly.forces.contacts, &mut offer);
+    model.forces.foundations.for_each_depth(&data.state(model, &[], &[]), &mut offer);
+    largest
 }

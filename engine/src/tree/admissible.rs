@@ -16,6 +16,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             one.iter().all(|i| p[*i] > 0.0)
                 && p[r.radius.clone()].iter().all(|s| *s > 0.0)
                 && p[r.density] >= 0.0
+                && r.factors.is_none_or(|factors| p[factors..factors + 4].iter().all(|x| *x > 0.0))
         });
         let links = self.bodies.iter().all(|b| match &b.shape {
             Shape::Rod(_) => true,

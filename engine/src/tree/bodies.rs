@@ -1,6 +1,5 @@
 //! Bodies, joints and rods of the tree.
 
-use super::description::Section;
 use std::ops::Range;
 
 /// A body of the tree.
@@ -60,7 +59,8 @@ pub(crate) struct JointLimits {
 /// A rod: bases at its Gauss points and the positions of its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Rod {
-    pub section: Section,
+    /// The first of four parameters that hold the factors of its section; none of fibres.
+    pub factors: Option<usize>,
     /// Parameters holding its strain in the reference state, by mode.
     pub reference_strain: Range<usize>,
     pub dofs: Range<usize>,

@@ -37,6 +37,13 @@ pub(crate) struct Sphere {
     pub radius: SphereRadius,
 }
 
+impl Sphere {
+    /// Whether it is on a rod, and not on a link.
+    pub fn is_on_rod(&self) -> bool {
+        !matches!(self.radius, SphereRadius::Link(..))
+    }
+}
+
 /// The source of a sphere's radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum SphereRadius {

@@ -25,6 +25,7 @@ def default_constraints(model: Structure) -> tuple[Constraint, ...]:
     -------
     tuple of Constraint
         ``overlap``: at most half of the thickness of the skins that touch, 1 mm for spheres;
+        ``centreline``: no centreline of a rod inside a body that it touches;
         ``strain`` and ``stress``: within the limits of the materials that have them;
         ``stretch``: no fibre shorter than a tenth of its length.
     """
@@ -35,6 +36,8 @@ def _defaults(model: Structure) -> Iterator[Constraint]:
     present = observables(model)
     if "overlap" in present:
         yield constraint(f"overlap <= {_overlap(model)!r} m", model, "overlap")
+    if "centreline-depth" in present:
+        yield constraint("centreline-depth <= 0 mm", model, "centreline")
     for key in ("strain", "stress"):
         if f"{key}-use" in present:
             yield constraint(f"{key}-use <= 1", model, key)

@@ -117,9 +117,10 @@ class Lowered:
         absent = [i for i in fixed if own[i] == 0.0 and self._is_made(i, x[i])]
         said = _quoted([self._names[i] for i in absent or fixed or guilty or alone])
         if absent:
+            are = "they are" if len(absent) > 1 else "it is"
             return (
-                f"{said} cannot be varied: {'they are' if len(absent) > 1 else 'it is'} zero in the "
-                "file, and the model is made without; give the file another value, such as by --set."
+                f"{said} cannot be varied: {are} zero in the file, and the model is made without; "
+                "give the file another value, such as by --set."
             )
         if fixed:
             least = (
@@ -184,7 +185,9 @@ def _keep(described: dict[str, Any], own: Mapping[str, Any], file: ModelFile) ->
     for key, stated in (("spheres", file.spheres), ("contacts", file.contacts)):
         mine, new = own.get(key, []), {each["name"]: each for each in described.get(key, [])}
         if key in described or mine:
-            described[key] = [new[each["name"]] if each["name"] in stated else each for each in mine]
+            described[key] = [
+                new[each["name"]] if each["name"] in stated else each for each in mine
+            ]
     rubbing = {each["name"]: each for each in described.get("frictions", [])}
     if frictions := own.get("frictions"):
         described["frictions"] = [

@@ -36,6 +36,7 @@ UNITS = {
     "obstacle_force": "N",
     "energy": "J",
     "max_overlap": "m",
+    "max_centreline_depth": "m",
     "max_contact_pressure": "Pa",
     "volume": "m3",
     "rod_length": "m",

@@ -11,6 +11,7 @@ from flexor.arrays import Array
 from flexor.model.schema import Rod
 
 if TYPE_CHECKING:
+    from flexor.model.contact_forces import ContactForces
     from flexor.model.results import State
     from flexor.model.structure import Structure
 
@@ -76,13 +77,9 @@ def extremes(state: State) -> dict[str, Extreme]:
     overlap = np.where(contacts.second < 0, np.nan, contacts.depth)
     quantities = {"max_overlap": overlap, "max_contact_pressure": contacts.pressure}
     for key, values in quantities.items():
-        if np.isfinite(values).any():
-            index = int(np.nanargmax(values))
-            body, x = place(state, int(contacts.first[index]), contacts.point[index])
-            second = int(contacts.second[index])
-            names = list(state.model.file.obstacles)
-            on = names[-1 - second] if second < 0 else state.model.sphere_places[second][0]
-            found[key] = Extreme(float(values[index]), body, x, on)
+        largest = _largest_contact(state, contacts, values)
+        if largest is not None:
+            found[key] = largest
     if np.isfinite(state.stretch).any():
         frames = state.model.engine.stretch_frames(state.parameters, state.q)
         strain = np.abs(state.stretch - 1.0)
@@ -93,6 +90,28 @@ def extremes(state: State) -> dict[str, Extreme]:
             at = np.unravel_index(int(np.nanargmax(ranked)), ranked.shape)
             found[key] = Extreme(float(values[at]), *_frame_place(state.model, int(frames[at])))
     return found
+
+
+def centreline(state: State) -> Extreme | None:
+    """Return where the centreline of a rod is deepest in a body that it touches, if it is any."""
+    contacts, places = state.contact_forces(), state.model.sphere_places
+    on_rod = np.array([places[sphere][1] is not None for sphere in contacts.first], dtype=bool)
+    radius = state.model.engine.spheres(state.parameters, state.q)[:, 3]
+    of_bodies = on_rod & (contacts.second >= 0)
+    depth = np.where(of_bodies, contacts.depth - radius[contacts.first], np.nan)
+    return _largest_contact(state, contacts, depth)
+
+
+def _largest_contact(state: State, contacts: ContactForces, values: Array) -> Extreme | None:
+    """Return the largest of numbers (m,) of contacts, some of which may be NaN."""
+    if not np.isfinite(values).any():
+        return None
+    index = int(np.nanargmax(values))
+    body, x = place(state, int(contacts.first[index]), contacts.point[index])
+    second = int(contacts.second[index])
+    names = list(state.model.file.obstacles)
+    on = names[-1 - second] if second < 0 else state.model.sphere_places[second][0]
+    return Extreme(float(values[index]), body, x, on)
 
 
 def fibre(state: State, values: Array) -> tuple[str, Extreme]:

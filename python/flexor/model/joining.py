@@ -22,9 +22,10 @@ class Joining:
     Attributes
     ----------
     how : str
-        ``"sum"``; ``"largest"``; ``"extremes"``, the least and the greatest of pairs;
-        ``"deciding"``, that of the component which decides the status; ``"rows"``, each component
-        having some of the rows (n, s, m, ...); ``"shares"``, adding its share to some of these.
+        ``"sum"``; ``"largest"`` of what is not NaN; ``"extremes"``, the least and the greatest of
+        pairs; ``"deciding"``, that of the component which decides the status; ``"rows"``, each
+        component having some of the rows (n, s, m, ...); ``"shares"``, adding its share to some of
+        these.
     of : str
         What the rows are: coordinates, inputs, or a list of the description.
     without : float, optional
@@ -58,7 +59,7 @@ class Joining:
         if self.how == "sum":
             return np.asarray(np.sum(arrays, axis=0, dtype=arrays[0].dtype))
         if self.how == "largest":
-            return np.asarray(np.max(arrays, axis=0))
+            return np.asarray(np.fmax.reduce(arrays))
         if self.how == "extremes":
             stacked: Array = np.stack(arrays)
             least, greatest = np.fmin.reduce(stacked[..., 0]), np.fmax.reduce(stacked[..., 1])
@@ -74,6 +75,7 @@ class Joining:
 
 SUM = Joining("sum")
 LARGEST = Joining("largest", without=0.0)
+GREATEST = Joining("largest", without=NAN)
 EXTREMES = Joining("extremes", without=NAN)
 DECIDING = Joining("deciding")
 

@@ -14,6 +14,7 @@ from flexor.model.geometry import Geometry
 from flexor.model.joining import (
     DECIDING,
     EXTREMES,
+    GREATEST,
     LARGEST,
     NAN,
     SUM,
@@ -99,6 +100,9 @@ class Results:
         F_t (14), the contact force on the tip [N].
     max_overlap : (n, s) array
         Largest overlap of bodies in contact [m]; zero where nothing touches.
+    max_centreline_depth : (n, s) array
+        How deep the centreline of a rod is at most in a body that it touches [m], negative outside;
+        NaN where no rod touches one.
     max_contact_pressure : (n, s) array
         Largest pressure of contact through skins [Pa], likewise.
     volume : (n, s, pressures) array
@@ -195,6 +199,7 @@ class Results:
     tip_force: Array = field(default=_NONE, metadata=_found(total(0.0), recorded=True))
     applied: Array = field(default=_NONE, metadata=_found(rows("inputs")))
     max_overlap: Array = field(default=_NONE, metadata=_found(LARGEST))
+    max_centreline_depth: Array = field(default=_NONE, metadata=_found(GREATEST))
     max_contact_pressure: Array = field(default=_NONE, metadata=_found(LARGEST))
     volume: Array = field(default=_NONE, metadata=_found(rows("pressures", NAN)))
     rod_bending: Array = field(default=_NONE, metadata=_found(rows("rods", NAN)))

@@ -29,7 +29,7 @@ _EQUILIBRIA = [STATUS.index("converged"), STATUS.index("unstable")]
 _NOT_REACHED = STATUS.index("not-reached")
 # Groups of outputs that every component has in full: sums, largest values, and those of materials,
 # which all components share. Of any other group each has the rows of its own entries.
-_COMMON = {"tip_force", "max_overlap", "max_contact_pressure", "stretch"}
+_COMMON = {"tip_force", "max_overlap", "max_centreline_depth", "max_contact_pressure", "stretch"}
 # From what is worst to what is best.
 _STABILITY = ("unknown", "unstable", "flutter-undecided", "neutral", "stable")
 _REGULARITY = ("no-equilibrium", "nearly-singular", "contact-threshold", "tied")

@@ -255,6 +255,14 @@ class Structure:
         return sum(self.sphere_groups[name] for name in groups) + skins
 
     @cached_property
+    def has_touching_rods(self) -> bool:
+        """Whether rods, in first groups of contacts or with a skin, may touch bodies."""
+        spheres = {group["name"]: group["spheres"] for group in self.description.get("spheres", ())}
+        touching = (*self.foundations, *self.description.get("contacts", ()))
+        rods = set(self.rods)
+        return any(sphere["body"] in rods for each in touching for sphere in spheres[each["first"]])
+
+    @cached_property
     def design(self) -> DesignSpace:
         """The rod that is designed and the bounds of the search.
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from flexor.arrays import Array
 from flexor.errors import InputError, unknown_name
-from flexor.model.extremes import fibre
+from flexor.model.extremes import Extreme, centreline, fibre
 from flexor.model.results import Paths, State
 from flexor.model.structure import Structure
 from flexor.model.units import (
@@ -187,14 +187,14 @@ def _of(kind: Kind, model: Structure) -> Iterator[Observable]:
 
 
 def _place(key: str) -> Callable[[State], str]:
-    def found(state: State) -> str:
-        extreme = state.extremes().get(key)
-        if extreme is None:
-            return ""
-        on = "" if extreme.on is None else f" on {extreme.on}"
-        return f"{extreme.body}, X = {extreme.X:.2g}{on}"
+    return lambda state: _said(state.extremes().get(key))
 
-    return found
+
+def _said(extreme: Extreme | None) -> str:
+    if extreme is None:
+        return ""
+    on = "" if extreme.on is None else f" on {extreme.on}"
+    return f"{extreme.body}, X = {extreme.X:.2g}{on}"
 
 
 def _fibre(uses: Callable[[State], Array]) -> Callable[[State], str]:
@@ -401,6 +401,18 @@ _KINDS = (
         _CONTACT,
         _place("max_overlap"),
         lowest=0.0,
+    ),
+    Kind(
+        "centreline-depth",
+        LENGTH,
+        "how deep the centreline of a rod is in a body that it touches, negative outside",
+        lambda model: _if(
+            model.has_touching_rods,
+            lambda paths: paths.max_centreline_depth,
+            slopes.output("max_centreline_depth"),
+        ),
+        "a rod that may touch bodies",
+        lambda state: _said(centreline(state)),
     ),
     Kind(
         "contact-pressure",

@@ -9,7 +9,6 @@ from flexor._engine import EVENTS
 from flexor.arrays import Array
 from flexor.materials.laws import fibre_energy
 from flexor.model.results import Paths
-from flexor.model.schema import Rod
 from flexor.model.schema.section_geometry import is_made_of_fibres
 from flexor.model.structure import Structure
 
@@ -137,13 +136,8 @@ def _density(
         c = np.stack([parameters[:, each] for each in columns], axis=1)
         density = c[..., 0] + s * (c[..., 1] + s * c[..., 2])
         return length, density, (c[..., 1] + 2.0 * s * c[..., 2], powers, columns)
-    start = slots[f"{name}.density"][0]
-    area, own = _area(rod) * s * s, parameters[:, start, None]
-    columns = [np.array([start])] * len(points)
-    return length, own * area, (2.0 * own * _area(rod) * s, area[..., None], columns)
-
-
-def _area(rod: Rod) -> float:
-    """Return the area of a solid section by S²."""
-    kind, ratio = rod.section.kind, rod.section.ratio or 1.0  # type: ignore[union-attr]
-    return 4.0 * ratio if kind == "rectangular" else np.pi * ratio
+    # The last of the factors is the area by S².
+    both = np.array([slots[f"{name}.density"][0], slots[f"{name}.section_factors"][1] - 1])
+    own, factor = (parameters[:, start, None] for start in both)
+    slopes = np.stack((factor * s * s, own * s * s), axis=2)
+    return length, own * factor * s * s, (2.0 * own * factor * s, slopes, [both] * len(points))

@@ -55,8 +55,27 @@ pub struct ContactSummary {
     pub tip_force: f64,
     /// Largest overlap [m].
     pub overlap: f64,
+    /// How deep the centreline of a rod is in what it touches at most [m]; negative outside, none where no rod
+    /// of a first group touches.
+    pub centreline: Option<f64>,
     /// Largest pressure on an elastic foundation [Pa].
     pub pressure: f64,
+}
+
+impl ContactSummary {
+    /// Counts the overlap of a sphere in.
+    pub(crate) fn add_overlap<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        at: &State<G, D, P>,
+        sphere: usize,
+        depth: f64,
+    ) {
+        self.overlap = self.overlap.max(depth);
+        if at.tree.spheres[sphere].is_on_rod() {
+            let centre = depth - at.geometry.radii[sphere];
+            self.centreline = Some(self.centreline.map_or(centre, |deepest| deepest.max(centre)));
+        }
+    }
 }
 
 impl Contacts {
@@ -97,20 +116,20 @@ impl Contacts {
     }
 
     /// Counts touching pairs and spheres and sums the force on the tip, without allocating.
-    pub fn summarise<const P: usize>(
+    pub fn summarise<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &self,
-        parameters: &[f64],
+        at: &State<G, D, P>,
         state: &ContactState<P>,
         summary: &mut ContactSummary,
         tip: &mut Vector<P>,
     ) {
         let mut last = None;
-        for (contact, k, pair) in self.pairs(parameters, state) {
+        for (contact, k, pair) in self.pairs(at.parameters(), state) {
             let this = Some((std::ptr::from_ref(contact), pair.first));
             summary.pairs += u32::from(pair.weight > 0.0);
             summary.touching += u32::from(this != last);
             last = this;
-            summary.overlap = summary.overlap.max(pair.overlap);
+            summary.add_overlap(at, pair.first, pair.overlap);
             if contact.is_tip(pair.first) {
                 *tip += pair.normal * (k * pair.overlap);
             }

@@ -6,7 +6,6 @@ use super::law::Law;
 use super::wall::Wall;
 use crate::lie::LieGroup;
 use crate::linalg::Matrix;
-use crate::tree::description::Section;
 use crate::tree::{ModelError, Rod, Tree, finite, positive};
 use serde::Deserialize;
 use std::ops::{Add, Mul, Range};
@@ -289,7 +288,7 @@ pub(super) fn rod<G: LieGroup<D, P>, const D: usize, const P: usize>(
     let name = &described.rod;
     let field = |f: &str| format!("fibres.{name}.{f}");
     let rod = tree.rod(&field("rod"), name)?;
-    if tree.rods[rod].section != Section::Fibres {
+    if tree.rods[rod].factors.is_some() {
         return Err(ModelError::new(field("rod"), "the rod has a solid section"));
     }
     let points = tree.rods[rod].gauss.len();

@@ -27,7 +27,6 @@ use super::terms::Terms;
 use crate::geometry::Geometry;
 use crate::lie::LieGroup;
 use crate::strain::Mode;
-use crate::tree::description::Section;
 use crate::tree::{ModelError, Tree};
 use arcs::{ArcEnergies, Arcs};
 use axial::{AxialStrains, PointForce, axial};
@@ -111,7 +110,7 @@ impl FibreSections {
         let rods = rods.collect::<Result<Vec<_>, _>>()?;
         let described = |r: usize| rods.iter().filter(|rod| rod.rod == r).count();
         for (r, rod) in tree.rods.iter().enumerate() {
-            let needed = usize::from(rod.section == Section::Fibres);
+            let needed = usize::from(rod.factors.is_none());
             if described(r) != needed {
                 return Err(ModelError::new("fibres", "each rod of fibres needs its sections once"));
             }

@@ -168,7 +168,7 @@ impl Foundations {
             summary.pairs += u32::from(contact.weight > 0.0);
             summary.touching += u32::from(this != last && contact.weight != 0.0);
             last = this;
-            summary.overlap = summary.overlap.max(contact.depth);
+            summary.add_overlap(at, contact.first, contact.depth);
             summary.pressure = summary.pressure.max(contact.pressure());
             *tip += contact.gradient() * -self.tip_share(&contact);
         });

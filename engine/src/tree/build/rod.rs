@@ -6,6 +6,7 @@ use super::super::{
     positive,
 };
 use crate::lie::LieGroup;
+use crate::section;
 use crate::strain::{Basis, Intervals, Mode, gauss_legendre};
 
 /// Collocation points of the 4th-order (Zanna) step on [0, 1].
@@ -93,8 +94,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Tree<G, D, P> {
             frame =
                 self.push_frame(frame, body, Motion::Strain(self.steps.len() - 1), format!("{name}[{k}]"));
         }
+        let factors = section::factors(rod.section)
+            .map(|factors| self.slot(format!("{name}.section_factors"), "1", &factors).start);
         self.rods.push(Rod {
-            section: rod.section,
+            factors,
             reference_strain,
             dofs: first_dof..self.dof,
             x,
