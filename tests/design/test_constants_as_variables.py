@@ -11,8 +11,8 @@ from flexor.errors import InputError
 from flexor.model import Model, parse
 from flexor.study import Problem
 
-# A link that bends beyond its limit, with a rod on it: under its weight, pulled by a cable along a
-# path and by a spring, and loaded at its tip.
+# A link that is pushed beyond its limit, with a rod on it: under its weight, pulled by a cable along
+# a path and by a spring, and loaded at its tip.
 ARM = """
 name = "arm"
 planar = {planar}
@@ -28,8 +28,8 @@ density = "2 g/cm^3"
 kind = "revolute"
 stiffness = "0.05 N*m/rad"
 rest = "5 deg"
-lower = "-10 deg"
-upper = "20 deg"
+lower = "-60 deg"
+upper = "-15 deg"
 limit_stiffness = "0.5 N*m/rad"
 limit_width = "3 deg"
 
@@ -45,8 +45,8 @@ kind = "prismatic"
 axis = "x"
 stiffness = "2 N/cm"
 rest = "1 mm"
-lower = "-0.2 mm"
-upper = "5 mm"
+lower = "3 mm"
+upper = "8 mm"
 limit_stiffness = "2 N/mm"
 limit_width = "0.3 mm"
 
@@ -82,8 +82,8 @@ force = {{ x = "-0.02 N", z = "0.05 N" }}
 moment = {{ y = "1 N*mm" }}
 
 [wrenches.jet]
-body = "slide"
-at = 0.7
+body = "rod"
+at = 0.5
 force = {{ x = "0.1 N", z = "0.04 N" }}
 moment = {{ y = "2 N*mm" }}
 frame = "body"
@@ -101,11 +101,11 @@ SPATIAL = ARM.format(
 )
 FIELDS: dict[str, tuple[object, object]] = {
     "hinge.joint.rest": ("-10 deg", "10 deg"),
-    "hinge.joint.upper": ("10 deg", "20 deg"),
+    "hinge.joint.upper": ("-20 deg", "-12 deg"),
     "hinge.joint.limit_stiffness": ("0.2 N*m/rad", "1 N*m/rad"),
     "hinge.joint.limit_width": ("1 deg", "4 deg"),
     "slide.joint.rest": ("0 mm", "2 mm"),
-    "slide.joint.lower": ("-0.5 mm", "-0.1 mm"),
+    "slide.joint.lower": ("2.9 mm", "3.5 mm"),
     "slide.joint.limit_stiffness": ("1 N/mm", "3 N/mm"),
     "slide.joint.limit_width": ("0.2 mm", "0.5 mm"),
     "gravity.x": ("-3 m/s^2", "3 m/s^2"),
@@ -114,13 +114,12 @@ FIELDS: dict[str, tuple[object, object]] = {
     "held.force.z": ("0.02 N", "0.08 N"),
     "held.moment.y": ("-2 N*mm", "2 N*mm"),
     "held.offset.z": ("0 mm", "6 mm"),
-    "jet.at": (0.5, 0.9),
     "jet.force.x": ("0.05 N", "0.2 N"),
     "jet.moment.y": ("-2 N*mm", "2 N*mm"),
     "band.first.offset.x": ("0 mm", "4 mm"),
     "band.first.offset.z": ("0 mm", "6 mm"),
     "band.second.world.x": ("18 cm", "22 cm"),
-    "cable.path.z": ("2 mm", "4 mm"),
+    "cable.path.z.0": ("2 mm", "4 mm"),
 }
 ACROSS: dict[str, tuple[object, object]] = {
     "gravity.y": ("-3 m/s^2", "3 m/s^2"),
@@ -130,7 +129,7 @@ ACROSS: dict[str, tuple[object, object]] = {
     "jet.moment.z": ("-2 N*mm", "2 N*mm"),
     "band.first.offset.y": ("-2 mm", "2 mm"),
     "band.second.world.y": ("-2 cm", "2 cm"),
-    "cable.path.y": ("-1 mm", "2 mm"),
+    "cable.path.y.0": ("-1 mm", "2 mm"),
 }
 STENCIL = {1: 45 / 60, 2: -9 / 60, 3: 1 / 60, -1: -45 / 60, -2: 9 / 60, -3: -1 / 60}
 STEP = 1e-4
@@ -221,13 +220,15 @@ joint = { kind = "fixed" }
 placement = { z = "-3.1 cm" }
 
 [tendons.pull]
+kind = "spring"
+stiffness = "10 N/m"
+slack_length = "3 cm"
+friction = 0.1
 path = [
   { world = { z = "1 cm" } },
   { body = "hinge", at = "tip", offset = { z = "1 cm" } },
   { body = "slide", at = "tip", offset = { z = "1 cm" } },
 ]
-tension = { kind = "spring", stiffness = "10 N/m", slack_length = "3 cm" }
-friction = 0.1
 """
 
 
@@ -235,7 +236,7 @@ friction = 0.1
     ("field", "bounds", "message"),
     [
         ("gravity.y", ("-1 m/s^2", "1 m/s^2"), "no gravity along y"),
-        ("hinge.joint.lower", ("10 deg", "25 deg"), "lower limit is not below the upper one"),
+        ("hinge.joint.lower", ("-25 deg", "-10 deg"), "lower limit is not below the upper one"),
         ("held.force.y", ("-1 N", "1 N"), "leaves the x–z plane"),
         ("hinge.joint.limit_width", ("0 deg", "1 deg"), "must be greater than zero"),
     ],

@@ -114,6 +114,10 @@ def test_it_holds_by_default_and_can_be_switched_off(model: Model) -> None:
     """By its own name, beside the overlap."""
     names = [each.default for each in default_constraints(model)]
     assert names == ["overlap", "centreline"]
+    assert chosen_constraints([], [], model) == default_constraints(model)
+    # From this bound it follows.
+    assert len(chosen_constraints(["overlap <= 0.5 mm"], [], model)) == 1
+    assert len(chosen_constraints(["overlap <= 0.6 mm"], [], model)) == 2
     kept = chosen_constraints([], ["overlap"], model)
     assert [each.text(model) for each in kept] == ["centreline-depth <= 0 mm"]
     assert not chosen_constraints([], ["overlap", "centreline"], model)

@@ -194,7 +194,8 @@ def test_defaults_hold_for_observables_only(model: Model) -> None:
     """The paper's objectives are as the paper states them."""
     assert Problem.of(model, "R01", "bending").constraints == ()
     assert len(Problem.of(model, "R01", "maximise bending").constraints) == 3
-    assert [each.default for each in default_constraints(model)] == ["overlap", "strain", "stretch"]
+    expected = ["overlap", "centreline", "strain", "stretch"]
+    assert [each.default for each in default_constraints(model)] == expected
 
 
 @pytest.mark.parametrize(

@@ -100,8 +100,9 @@ Without = Annotated[
     list[str] | None,
     typer.Option(
         metavar="NAME",
-        help="Switch off a default constraint: `overlap`, `strain`, `stress`, `stretch` or "
-        "`defaults` for all; may be repeated. They hold with --maximise and --minimise.",
+        help="Switch off a default constraint: `overlap`, `centreline`, `strain`, `stress`, "
+        "`stretch` or `defaults` for all; may be repeated. They hold with --maximise and "
+        "--minimise.",
     ),
 ]
 Scenarios = Annotated[

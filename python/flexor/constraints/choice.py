@@ -26,7 +26,8 @@ def chosen_constraints(
     ----------
     subject_to
         Texts such as ``"overlap <= 0.5 mm"``; one about the observable of a default in the same
-        sense replaces it.
+        sense replaces it. With an overlap of at most half of the radius of a rod its centreline
+        is in no body, and that default is left out.
     without
         Names of defaults that do not hold; ``"defaults"`` for all.
     model
@@ -56,7 +57,16 @@ def chosen_constraints(
         and each.default not in without
         and (each.name, each.sense) not in replaced
     ]
-    return (*kept, *asked)
+    return tuple(each for each in (*kept, *asked) if not _is_implied(each, (*kept, *asked), model))
+
+
+def _is_implied(each: Constraint, others: Iterable[Constraint], model: Structure) -> bool:
+    """Return whether a default follows from a constraint on the overlap, by a factor of two."""
+    if each.default != "centreline":
+        return False
+    half = 0.5 * model.least_touching_radius
+    overlaps = [each for each in others if each.name == "overlap" and each.sense == "<="]
+    return any(each.bound <= half and not each.at_end for each in overlaps)
 
 
 def _texts(what: str, given: object) -> tuple[str, ...]:

@@ -134,6 +134,8 @@ class SlotMap:
         """Return all columns but rest lengths for Legendre polynomials (n, k, degrees)."""
         found = np.zeros((len(values), len(self.every) + len(self.quotients)))
         found[:, self._terms[0].columns] = self._terms[0].sums(values)
+        # What rounding leaves of a zero may have the wrong sign.
+        found[np.abs(found) <= self._rounding] = 0.0
         for form, columns in self._forms.items():
             found[:, columns] = FORMS[form][1](found[:, columns])
         for column, below in self.quotients:
@@ -144,6 +146,14 @@ class SlotMap:
         """Return Legendre polynomials and their slopes at designs (n, k), each (n, k, degrees)."""
         top = max((int(fit.powers.max(initial=0)) for fit in self.fits), default=0)
         return legendre((x - self.middle) / self.half, top)
+
+    @cached_property
+    def _rounding(self) -> Array:
+        """What may be left of a zero in each column."""
+        found = np.zeros(len(self.every) + len(self.quotients))
+        for fit in self.fits:
+            found[fit.columns] = 2.0 * np.finfo(float).eps * np.abs(fit.coefficients).sum(axis=0)
+        return found
 
     @cached_property
     def _forms(self) -> dict[str, NDArray[np.intp]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from functools import cached_property
 from typing import Any
 
@@ -255,12 +256,16 @@ class Structure:
         return sum(self.sphere_groups[name] for name in groups) + skins
 
     @cached_property
-    def has_touching_rods(self) -> bool:
-        """Whether rods, in first groups of contacts or with a skin, may touch bodies."""
+    def least_touching_radius(self) -> float:
+        """Least radius [m] of rods, in first groups of contacts or with a skin, that may touch.
+
+        Infinite if there are none.
+        """
         spheres = {group["name"]: group["spheres"] for group in self.description.get("spheres", ())}
         touching = (*self.foundations, *self.description.get("contacts", ()))
-        rods = set(self.rods)
-        return any(sphere["body"] in rods for each in touching for sphere in spheres[each["first"]])
+        names = {sphere["body"] for each in touching for sphere in spheres[each["first"]]}
+        radii = [self.file.rod(name).surface.radius.min() for name in names & set(self.rods)]
+        return float(min(radii, default=math.inf))
 
     @cached_property
     def design(self) -> DesignSpace:

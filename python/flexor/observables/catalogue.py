@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -407,7 +408,7 @@ _KINDS = (
         LENGTH,
         "how deep the centreline of a rod is in a body that it touches, negative outside",
         lambda model: _if(
-            model.has_touching_rods,
+            math.isfinite(model.least_touching_radius),
             lambda paths: paths.max_centreline_depth,
             slopes.output("max_centreline_depth"),
         ),
