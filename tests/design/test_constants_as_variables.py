@@ -11,8 +11,8 @@ from flexor.errors import InputError
 from flexor.model import Model, parse
 from flexor.study import Problem
 
-# A link that is pushed beyond its limit, with a rod on it: under its weight, pulled by a cable along
-# a path and by a spring, and loaded at its tip.
+# A link that is pushed beyond its limit, with a rod on it: under its weight, pulled by a cable and
+# by a spring, and loaded at its tip.
 ARM = """
 name = "arm"
 planar = {planar}

@@ -155,9 +155,10 @@ mod tests {
         other.bodies[1].joint.rest = vec![0.1];
         assert!(build(&other).has_structure_of(&model));
         other.bodies[1].joint.upper = vec![Some(1.0)];
-        assert!(build(&other).has_structure_of(&model));
-        other.bodies[1].joint.upper = vec![None];
-        assert!(!build(&other).has_structure_of(&model));
+        let limited = build(&other);
+        assert!(!limited.has_structure_of(&model));
+        other.bodies[1].joint.upper = vec![Some(0.5)];
+        assert!(build(&other).has_structure_of(&limited));
     }
 
     #[test]
@@ -190,7 +191,8 @@ mod tests {
             let body = body.unwrap_or_else(|| panic!("{slot}"));
             let rod = matches!(body.shape, ShapeDescription::Rod(_));
             let free = body.joint.kind == JointKind::Free;
-            assert!(what == "reference_strain" && rod || what.starts_with("joint_") && free, "{slot}");
+            let of_joint = what.starts_with("joint_") || what.starts_with("limit_");
+            assert!(what == "reference_strain" && rod || of_joint && free, "{slot}");
         }
     }
 }

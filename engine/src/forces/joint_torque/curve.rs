@@ -85,8 +85,25 @@ impl TorqueCurve {
             Self::Table { torques, slopes, .. } => {
                 vec![("torques", None, torques.clone()), ("slopes", None, slopes.clone())]
             }
-            Self::Threshold { angle, stiffness, .. } => {
-                vec![("threshold", None, vec![*angle]), ("stiffness", None, vec![*stiffness])]
+            Self::Threshold { angle, stiffness, width, .. } => vec![
+                ("threshold", None, vec![*angle]),
+                ("stiffness", None, vec![*stiffness]),
+                ("width", None, vec![*width]),
+            ],
+        }
+    }
+
+    /// The curve without the numbers that are parameters: what it is whatever these are.
+    pub(super) fn without_numbers(&self) -> Self {
+        match self {
+            Self::DoubleExponential { .. } => {
+                Self::DoubleExponential { moments: [0.0; 3], rates: [0.0; 2], angles: [0.0; 2] }
+            }
+            Self::Table { angles, .. } => {
+                Self::Table { angles: angles.clone(), torques: vec![], slopes: vec![] }
+            }
+            Self::Threshold { direction, .. } => {
+                Self::Threshold { angle: 0.0, stiffness: 0.0, width: 0.0, direction: *direction }
             }
         }
     }
@@ -123,7 +140,7 @@ impl TorqueCurve {
                     p[..2].iter().all(|m| *m >= 0.0) && p[3..5].iter().all(|rate| *rate > 0.0)
                 }
                 Self::Table { .. } => true,
-                Self::Threshold { .. } => p[1] >= 0.0,
+                Self::Threshold { .. } => p[1] >= 0.0 && p[2] > 0.0,
             }
     }
 
@@ -149,8 +166,8 @@ impl TorqueCurve {
                 let (torques, slopes) = p.split_at(angles.len());
                 table(angles, torques, slopes, theta)
             }
-            Self::Threshold { width, direction, .. } => {
-                let (s, k, w) = (direction * (theta - p[0]), p[1], *width);
+            Self::Threshold { direction, .. } => {
+                let (s, k, w) = (direction * (theta - p[0]), p[1], p[2]);
                 if s <= 0.0 {
                     Value::default()
                 } else if s <= w {
@@ -197,10 +214,13 @@ impl TorqueCurve {
                 out[n + i] += factor * b * h;
                 out[n + i + 1] += factor * d * h;
             }
-            Self::Threshold { .. } => {
-                let unit = self.value(&[p[0], 1.0], theta);
-                out[0] -= factor * p[1] * unit.stiffness;
+            Self::Threshold { direction, .. } => {
+                let (s, k, w) = (direction * (theta - p[0]), p[1], p[2]);
+                let unit = self.value(&[p[0], 1.0, w], theta);
+                let by_width = if s <= 0.0 { 0.0 } else { -0.5 * k * (s / w).min(1.0).powi(2) };
+                out[0] -= factor * k * unit.stiffness;
                 out[1] += factor * unit.torque;
+                out[2] += factor * direction * by_width;
             }
         }
     }

@@ -58,7 +58,7 @@ impl JointTorques {
                 tree.slot(format!("{}.{what}", torque.name), unit, &values);
             }
             let numbers = start..tree.parameters.len();
-            built.push(JointTorque { dof, curve: torque.curve.clone(), numbers });
+            built.push(JointTorque { dof, curve: torque.curve.without_numbers(), numbers });
         }
         Ok(Self(built))
     }
