@@ -154,12 +154,14 @@ def test_bad_variables(
 
 def test_what_changes_the_structure_or_nothing_is_refused(model: Model) -> None:
     """A place between elements and a field without effect cannot be varied."""
+    plate = {"kind": "half-space", "point": {"z": "-20 cm"}, "normal": [0.0, 0.0, 1.0]}
+    model = flexor.load(check(model.file.to_document() | {"obstacles": {"plate": plate}}))
     for bounds, message in (
         ({"proximal.at": (0.2, 0.3)}, '"proximal.at" cannot be varied: .* --choose'),
         ({"evaluation.pressure_step": ("10 kPa", "12 kPa")}, "no effect"),
         (
-            {"exosuit.length": ("8 cm", "9 cm"), "ph_1.joint.axis.0": (0.0, 0.1)},
-            '^"ph_1.joint.axis.0" cannot be varied',
+            {"exosuit.length": ("8 cm", "9 cm"), "plate.normal.0": (-0.1, 0.1)},
+            '^"plate.normal.0" cannot be varied: it is fixed when the model is made',
         ),
     ):
         with pytest.raises(InputError, match=message):
