@@ -132,13 +132,18 @@ impl<const D: usize, const P: usize> Adjoint<D, P> {
         load: &[f64],
         lambda: &[f64],
     ) {
+        self.gradient.fill(0.0);
+        if lambda.iter().all(|rate| *rate == 0.0) {
+            self.twists.fill(Vector::ZERO);
+            self.points.fill(Vector::ZERO);
+            return;
+        }
         model.coordinate_blocks.gather(lambda, &mut self.blocks);
         data.velocities(model, &self.blocks, &mut self.twists, &mut self.points);
         let velocities = Velocities { twists: &self.twists, points: &self.points };
         let motion = VirtualMotion { coordinates: lambda, velocities };
         let at = data.state(model, q, load);
         let held = (&data.design.forces, &data.assembly.forces);
-        self.gradient.fill(0.0);
         let parents = model.frames.iter().map(|frame| frame.parent);
         self.own
             .iter_mut()
