@@ -374,7 +374,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     /// states at which these poses are.
     pub(crate) fn may_cross(&self, model: &Model<G, D, P>, ends: [&Kinematics<G, D, P>; 2]) -> bool {
         let [from, to] = ends.map(|kinematics| self.placed(model, kinematics));
-        model.forces.may_cross(&Motion { ends: [&from, &to], last: None })
+        model.forces.may_cross(&Motion { ends: [&from, &to], last: None, margin: 0.0 })
     }
 
     /// Smallest thickness of a body and what meets it; see `ForceElement::thinnest`.
@@ -383,17 +383,19 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Data<G, D, P> {
     }
 
     /// Visits what a straight motion of the coordinates leads through, between the states at which these poses
-    /// are; `last`: where those that follow end.
+    /// are; `last`: where those that follow end; `margin`: by how much solids are larger than they are.
     pub(crate) fn for_each_crossing(
         &self,
         model: &Model<G, D, P>,
         ends: [&Kinematics<G, D, P>; 2],
         last: Option<&Kinematics<G, D, P>>,
+        margin: f64,
         mut visit: impl FnMut(Crossing),
     ) {
         let [from, to] = ends.map(|kinematics| self.placed(model, kinematics));
         let last = last.map(|kinematics| self.placed(model, kinematics));
-        model.forces.for_each_crossing(&Motion { ends: [&from, &to], last: last.as_ref() }, &mut visit);
+        let motion = Motion { ends: [&from, &to], last: last.as_ref(), margin };
+        model.forces.for_each_crossing(&motion, &mut visit);
     }
 
     /// By how much each coordinate without elasticity moves until it has moved the ends of a spring as far as the

@@ -102,3 +102,36 @@ def test_a_tip_slips_off_a_stiff_ball_at_the_same_load_with_any_number_of_steps(
         (event,) = path.events
         assert (event.kind, event.loads[0]) == ("snap", pytest.approx(-largest.fun, rel=1e-5))
         np.testing.assert_allclose(path.q[-1], pulled_off(0.15, path.q[-1]), rtol=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore:obstacle .ball. may have been passed")
+@pytest.mark.parametrize(
+    "centre",
+    [
+        (0.01196, -0.03359),
+        (0.01375, -0.03516),
+        (0.0164, -0.0371),
+        (0.02969, -0.04499),
+        (0.03394, -0.04675),
+        (0.03851, -0.04812),
+        (0.04884, -0.05489),
+    ],
+)
+def test_a_tip_that_few_steps_lead_past_a_ball_slips_off_it(centre: tuple[float, float]) -> None:
+    """The curved way to the end of a step leads through the ball, the straight line past it."""
+    model = chain(centre, 1e8)
+    for steps in (1, 3, 30):
+        path = model.equilibrium(0.15 * np.arange(1, steps + 1) / steps)
+        assert path.converged.all()
+        (event,) = path.events
+        turned = np.cumsum(event.angles_before)
+        tip = LENGTH * np.array([np.cos(turned).sum(), np.sin(turned).sum()])
+        angle = np.arctan2(*(tip - np.array(centre) * [1, -1])[::-1])
+        largest = minimize_scalar(
+            lambda angle: -load_on_a_rigid_ball(centre, angle),
+            bounds=(angle - 0.05, angle + 0.05),
+            method="bounded",
+            options={"xatol": 1e-12},
+        )
+        assert (event.kind, event.loads[0]) == ("snap", pytest.approx(-largest.fun, rel=1e-5))
+        np.testing.assert_allclose(path.q[-1], pulled_off(0.15, path.q[-1]), rtol=1e-6)

@@ -3,6 +3,7 @@
 use super::bordered::{Border, Bordered, BorderedTarget, Hyperplane, Multiplier};
 use super::options::{LocateOptions, MixedOptions};
 use super::point_motion::PointMotion;
+use super::sweep::Motion;
 use super::system::System;
 use super::vector::norm;
 use crate::lie::LieGroup;
@@ -189,8 +190,9 @@ impl<const D: usize, const P: usize> PlaneSolver<'_, D, P> {
         }
         let mut moved = vec![0.0; near.q.len()];
         system.displacement(&near.q, &mut moved);
-        let change = Some((self.rate, point.load - near.load));
-        system.stopped_while_loaded(&near.q, &moved, change).is_none()
+        let velocities = [&near.direction[..], &point.direction];
+        let motion = Motion { rate: self.rate, duration: point.load - near.load, velocities };
+        system.stopped_while_loaded(&near.q, &moved, Some(motion)).is_none()
     }
 }
 

@@ -36,6 +36,8 @@ pub(crate) struct Motion<'a, G, const D: usize, const P: usize> {
     pub ends: [&'a State<'a, G, D, P>; 2],
     /// The state at the end of those that follow.
     pub last: Option<&'a State<'a, G, D, P>>,
+    /// By how much solids are larger than they are, but for skins, which give way smoothly.
+    pub margin: f64,
 }
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Motion<'_, G, D, P> {

@@ -192,7 +192,7 @@ impl<'a, G: LieGroup<D, P>, const D: usize, const P: usize> MovingCone<'a, G, D,
     #[inline]
     pub fn crossing(&self, sphere: usize) -> Option<Crossing> {
         let [from, to] = self.motion.ends;
-        let (own, p) = (from.geometry.radii[sphere], from.centre(sphere));
+        let (own, p) = (from.geometry.radii[sphere] + self.motion.margin, from.centre(sphere));
         let moved = *to.centre(sphere) - *p;
         let ways = self.ways.map(|way| moved - way);
         let thickness = own + self.start.largest;

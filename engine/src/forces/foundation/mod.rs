@@ -415,6 +415,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
     }
 
     fn for_each_crossing(&self, motion: &Motion<G, D, P>, visit: &mut impl FnMut(Crossing)) {
+        let motion = &Motion { margin: 0.0, ..*motion };
         for foundation in &self.0 {
             for cone in &foundation.cones {
                 let moving = MovingCone::new(motion, cone.ends);

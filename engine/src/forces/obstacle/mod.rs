@@ -576,7 +576,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         for obstacle in &self.0 {
             let axes = ends.map(|at| obstacle.world_axes(at));
             for each in &obstacle.spheres {
-                let radius = ends[0].geometry.radii[each.sphere];
+                let radius = ends[0].geometry.radii[each.sphere] + motion.margin;
                 let [before, after] = [0, 1].map(|i| obstacle.place(ends[i], &axes[i], each.sphere));
                 for surface in &obstacle.surfaces {
                     let Some(thickness) = surface.thickness(p).map(|own| own + radius) else { continue };
