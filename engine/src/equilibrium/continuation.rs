@@ -52,6 +52,8 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) slope: Vec<f64>,
     /// Whether the equilibrium found last is unstable.
     pub(super) unstable: bool,
+    /// Whether every listed equilibrium so far has had a motion without stiffness.
+    pub(super) never_held: bool,
     pub(super) work: Vec<f64>,
     pub(super) set_points: SetPoints,
     /// What is known of ties along the path.
@@ -100,6 +102,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             energy: 0.0,
             slope: zeros(),
             unstable: false,
+            never_held: false,
             work: zeros(),
             set_points: SetPoints::new(inputs),
             passage: Passage::default(),
@@ -190,6 +193,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         sink: &mut impl PathSink<G, D, P>,
     ) -> Status {
         self.begin_passage();
+        self.never_held = false;
         self.system.set_load(target);
         let radius = self.options.trust_region.initial_radius;
         let found = if self.system.has_ties() {
@@ -199,6 +203,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             self.find_stable(radius, step.tangent_reuse)
         };
         self.passage.watched = self.system.has_ties();
+        self.never_held = true;
         let status = self.hold(found, target, step, sink);
         self.unstable = status == Status::Unstable;
         status
@@ -225,11 +230,14 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let min_step = (self.options.min_step * self.span()).min(1.0);
         let end_distance = self.options.locate.end_distance * self.span();
         let mut control = StepControl::new(self.options.step, min_step, end_distance);
+        let mut lambda = match self.settle(min_step, step) {
+            Ok(reached) => reached,
+            Err(status) => return status,
+        };
         // The factor at hand belongs to the equilibrium just found.
         self.system.find_neutral(&self.rate);
         self.change[0] = self.system.velocity(&self.rate, &mut self.velocity[0]);
         self.unstable = false;
-        let mut lambda = 0.0;
         while lambda < 1.0 {
             if let Some(status) = self.start_passage() {
                 return status;

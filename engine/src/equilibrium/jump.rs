@@ -101,6 +101,26 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         max_norm(&self.moved) > least || self.system.data().spring_motion(self.system.model(), states) > least
     }
 
+    /// Where a motion had no stiffness since the path began and goes with the load at once, goes from the equilibrium at
+    /// hand to a stable one after the smallest sub-step. There a path of stable equilibria begins; no branch ends, so
+    /// that this is no event. Returns its λ, or zero.
+    pub(super) fn settle(&mut self, min_step: f64, step: LoadStep) -> Result<f64, Status> {
+        self.never_held = self.never_held && self.system.is_conservative() && self.system.may_drift();
+        if !self.never_held {
+            return Ok(0.0);
+        }
+        self.start.copy_from_slice(self.system.state());
+        self.system.velocity(&self.rate, &mut self.velocity[0]);
+        let adrift = self.system.is_adrift(&self.start, &self.velocity[0], &self.rate, min_step);
+        if !adrift {
+            let start = self.start.clone();
+            self.restore_at(&start, 0.0);
+            return Ok(0.0);
+        }
+        self.find_stable_at(min_step, self.tangent_reuse_at(min_step, step))?;
+        Ok(min_step)
+    }
+
     /// Goes from the state in `start`, at `from`, to a stable equilibrium at `next`.
     fn jump(
         &mut self,

@@ -27,6 +27,8 @@ const ITERATIONS: usize = 4;
 const OF_RESIDUAL: f64 = 10.0;
 /// Largest part of a change of load that may act along a neutral motion.
 const LOADED: f64 = 1e-4;
+/// Largest part of a change of load along a motion without stiffness that does not drive it.
+const DRIVEN: f64 = 1e-6;
 
 /// Their directions, of unit length and orthogonal to one another.
 #[derive(Clone, Debug, Default)]
@@ -170,6 +172,51 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         if let Some(matrix) = self.factor.projected_mut() {
             matrix.follow_neutral(&mut self.neutral, size);
         }
+    }
+
+    /// Whether a motion without stiffness at the equilibrium in `start`, from which the branch has this velocity, goes
+    /// with the load as it changes at `rate` over `h`: the load drives it, or makes it unstable. Forgets neutral motions,
+    /// and overwrites state, load and factor.
+    pub(super) fn is_adrift(&mut self, start: &[f64], velocity: &[f64], rate: &[f64], h: f64) -> bool {
+        self.neutral.forget();
+        self.set_state(start);
+        self.evaluate();
+        self.evaluate_tangent();
+        let modes = self.motions_without_stiffness();
+        let mut change = vec![0.0; start.len()];
+        self.load_gradient(rate, &mut change);
+        let size = norm(&change);
+        modes.iter().any(|z| dot(z, &change).abs() > DRIVEN * size) || {
+            // A motion that keeps the energy has no stiffness ahead, either, but that of the residual.
+            let mut step: Vec<f64> = velocity.iter().map(|v| h * v).collect();
+            for z in &modes {
+                let along = dot(z, &step);
+                step.iter_mut().zip(z).for_each(|(s, z)| *s -= along * z);
+            }
+            let load = self.load().to_vec();
+            self.set_load_between(&load, rate, h);
+            self.advance(&step);
+            let least = OF_RESIDUAL * self.evaluate() + ZERO_EIGENVALUE;
+            self.evaluate_tangent();
+            let tangent = self.scaled_tangent();
+            modes.iter().any(|z| stiffness(&tangent, z) < -least)
+        }
+    }
+
+    /// Orthonormal null vectors of the tangent evaluated last, on the motions that ties allow.
+    fn motions_without_stiffness(&mut self) -> Vec<Vec<f64>> {
+        let (matrix, n) = match self.factor.projected() {
+            Some(projected) => (projected.free.clone(), projected.ones.len()),
+            None => (self.scaled_tangent(), self.state().len()),
+        };
+        let found = DMatrix::from_row_slice(n, n, &matrix).symmetric_eigen();
+        let values = found.eigenvalues.iter().zip(found.eigenvectors.column_iter());
+        let null = values.filter(|(value, _)| value.abs() <= DRIFT_EIGENVALUE);
+        let mut modes: Vec<Vec<f64>> = null.map(|(_, z)| z.iter().copied().collect()).collect();
+        if let Some(projected) = self.factor.projected() {
+            modes.iter_mut().for_each(|z| projected.turn_back(z));
+        }
+        modes
     }
 
     /// Looks for neutral motions at the equilibrium evaluated last, with its tangent, as the load changes at this
