@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from flexor.model.derivatives import Differential, differentiate, weights
 EI = 1e9 * np.pi / 4.0 * 1e-12
 GJ = EI / 1.3
 PLANAR = 'bend_y = "nodal_quadratic", extend_x = "nodal_quadratic"'
+INEXTENSIBLE = ", ".join(f'{mode} = "nodal_quadratic"' for mode in ("twist_x", "bend_y", "bend_z"))
 SPATIAL = f'twist_x = "nodal_quadratic", bend_z = "nodal_quadratic", {PLANAR}'
 
 
@@ -229,6 +231,27 @@ def test_a_straight_rod_is_closed_to_a_ring(turns: int, strain: str) -> None:
     moment = 2.0 * np.pi * turns * EI / RING
     expected = np.array([0.0, 0.0, 0.0, 0.0, moment, 0.0, 0.0])
     np.testing.assert_allclose(path.tie_loads[0, 0], expected, atol=1e-9 * abs(moment))
+
+
+@pytest.mark.parametrize("joint", ["fixed", "revolute", "spherical"])
+def test_a_force_turns_a_ring_of_straight_rod_over(joint: str) -> None:
+    """It rolls about its own axis without resistance, until it lies along the force."""
+    weld = tie("close", "weld", *CLOSED, 'rotation = { y = "360 deg" }')
+    more = f'joint = {{ kind = "{joint}" }}'
+    force = 0.1 * EI / 0.1**2
+
+    def middle(direction: str, steps: int = 1) -> Any:
+        ring = rod("ring", RING, more, INEXTENSIBLE, 8)
+        made = model(ring, weld, push("ring", direction, "0.5"), planar=False)
+        path = solved(made, force * np.arange(steps + 1) / steps)
+        assert not path.events
+        assert (path.iterations < 500).all()
+        return path.frames(steps)["ring"][16, :3, 3]
+
+    expected = -middle('z = "-1 N"')[2]
+    for steps in (1, 3):
+        moved = middle('y = "1 N"', steps)
+        np.testing.assert_allclose(moved, [0.0, expected, 0.0], atol=1e-6)
 
 
 def test_a_twisted_ring_buckles() -> None:

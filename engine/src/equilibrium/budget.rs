@@ -57,9 +57,9 @@ impl<'a> Budget<'a> {
         self.deadline = self.max_time.and_then(|time| Instant::now().checked_add(time));
     }
 
-    /// Sets a lower limit of iterations, or removes it.
-    pub fn limit(&mut self, iterations: Option<usize>) {
-        self.first_attempt = iterations;
+    /// Sets a lower limit of iterations, or removes it; returns the one before.
+    pub fn limit(&mut self, iterations: Option<usize>) -> Option<usize> {
+        std::mem::replace(&mut self.first_attempt, iterations)
     }
 
     pub fn count(&mut self) {

@@ -2,8 +2,10 @@
 //!
 //! Where ties are open at first, they are closed along a path as loads are applied along one: each second
 //! place moves from where it is to where it is tied, by the motion of a rod whose strain is uniform. Without
-//! that, the energy is minimised with ties as penalties and the reactions held (the augmented
-//! Lagrangian), and Newton's method takes it to the state in which they are closed exactly.
+//! that, the energy is minimised on the states in which ties are closed: each step of the trust region is one of the
+//! motions that they allow, and closed again. Where that fails, it is minimised with ties as penalties and the
+//! reactions held (the augmented Lagrangian), and Newton's method takes it to the state in which they are closed
+//! exactly.
 
 use super::continuation::{Continuation, LoadStep};
 use super::corrector::CorrectorTolerance;
@@ -19,6 +21,8 @@ const SLOW: f64 = 0.25;
 /// Factor by which they are raised, and the largest one in all.
 const RISE: f64 = 10.0;
 const MAX_RISE: f64 = 1e3;
+/// Largest number of iterations on the states in which ties are closed.
+const MAX_DESCENT: usize = 500;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P> {
     /// A stable equilibrium with all ties closed under a load, from the current state.
@@ -124,6 +128,15 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         if size <= rough && self.close_exactly(size, tangent_reuse) {
             return Status::Converged;
         }
+        let start = self.system.state().to_vec();
+        let descended = self.descend_with_closed_ties(radius, tangent_reuse);
+        if matches!(
+            descended,
+            Status::Converged | Status::Unrestrained | Status::TimeLimit | Status::Cancelled
+        ) {
+            return descended;
+        }
+        self.system.set_state(&start);
         let mut status = Status::Stalled;
         let (mut rise, mut widest) = (1.0, f64::INFINITY);
         for _ in 0..self.options.closing.max_rounds {
@@ -150,6 +163,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
             }
         }
         if status == Status::Converged { Status::Stalled } else { status }
+    }
+
+    /// Minimises the energy on the states in which the ties are closed, if they close at once: the descent is limited by
+    /// what is free alone, however stiff what they hold is.
+    fn descend_with_closed_ties(&mut self, radius: f64, tangent_reuse: f64) -> Status {
+        let size = self.system.evaluate();
+        if !self.system.close(size).is_finite() {
+            return Status::NotClosed;
+        }
+        let most = self.system.budget.iterations() + MAX_DESCENT;
+        let before = self.system.budget.limit(None);
+        self.system.budget.limit(Some(before.unwrap_or(most).min(most)));
+        let target = Target { tolerance: self.options.tolerance, tangent_reuse };
+        let status = self.trust_region.minimize_energy(&mut self.system, radius, target);
+        self.system.budget.limit(before);
+        status
     }
 
     /// Newton's method from a state whose largest residual is `size`; `false`, with the state restored, if it

@@ -235,8 +235,12 @@ impl<const D: usize> Factor<D> {
         }
     }
 
-    /// Solves in place with a triangular factor L, L Lᵀ being the tangent, its rows in some order.
+    /// Solves in place with a triangular factor L, L Lᵀ being the tangent, its rows in some order; with a projection,
+    /// the tangent on the motions that ties allow.
     pub fn solve_lower(&self, b: &mut [f64]) {
+        if let Some(projected) = self.projected() {
+            projected.turn_free(b);
+        }
         if let Some(factor) = self.semidefinite() {
             return factor.solve_lower(b);
         }

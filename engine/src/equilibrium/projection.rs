@@ -269,6 +269,21 @@ impl ProjectedMatrix {
         matrix
     }
 
+    /// b ← Qᵀ b on the motions that the conditions allow, zero on the others.
+    pub fn turn_free(&self, b: &mut [f64]) {
+        self.projection.turn(b);
+        b[..self.projection.rank()].fill(0.0);
+    }
+
+    /// Smallest diagonal entry of Zᵀ H Z, and the largest absolute row sum, a bound on its eigenvalues.
+    pub fn bounds(&self) -> (f64, f64) {
+        let (n, rank) = (self.n, self.projection.rank());
+        let rows = || (rank..n).map(|i| &self.free[i * n..(i + 1) * n]);
+        let lowest = rows().zip(rank..).map(|(row, i)| row[i]).fold(f64::INFINITY, f64::min);
+        let largest = rows().map(|row| row.iter().map(|h| h.abs()).sum::<f64>()).fold(0.0, f64::max);
+        (lowest, largest)
+    }
+
     /// Solves T x = b in place; `inner` solves with [`ProjectedMatrix::free`].
     pub fn solve(&self, b: &mut [f64], inner: impl FnOnce(&mut [f64])) {
         let (n, rank) = (self.n, self.projection.rank());

@@ -143,6 +143,7 @@ impl Subproblem {
         for (i, w) in self.work.iter_mut().enumerate() {
             *w = 1.0 + 0.1 * ((i + 1) as f64).sin();
         }
+        system.keep_free(&mut self.work);
         for _ in 0..self.options.inverse_iterations {
             let length = norm(&self.work);
             self.work.iter_mut().for_each(|w| *w /= length);

@@ -748,6 +748,9 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// Smallest diagonal entry of the dimensionless tangent, and a bound on its eigenvalues: the largest
     /// absolute row sum, or for a chain the Frobenius norm.
     pub(super) fn tangent_bounds(&self) -> (f64, f64) {
+        if let Some(projected) = self.factor.projected() {
+            return projected.bounds();
+        }
         let n = self.q.len();
         let (tangent, scale) = (self.data.tangent(), &self.data.design.units.scale);
         let diagonal = (0..n).map(|i| tangent[i * n + i] * scale[i] * scale[i]);

@@ -3,12 +3,18 @@
 use super::general::lowest;
 use super::projection::ProjectedMatrix;
 use super::system::System;
+use super::vector::max_norm;
 use crate::lie::LieGroup;
 use crate::tolerances::{DEPENDENT, INDEPENDENT, REDUNDANT_GAP};
 use crate::tree::Shape;
 
 /// Stiffness of the penalties of ties, in units of that of the body itself.
 const PENALTY: f64 = 1e3;
+/// Dimensionless motion below which ties are closed.
+const CLOSED: f64 = 1e-9;
+/// Largest number of steps that close them again, and the part that each leaves of the motion.
+const CLOSING_STEPS: usize = 8;
+const CLOSING_PROGRESS: f64 = 0.5;
 
 impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     /// Whether the model has ties.
@@ -157,6 +163,28 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     /// Whether the conditions that depend on others hold at the state evaluated last.
     pub(super) fn redundant_conditions_hold(&self) -> bool {
         self.projection.redundant().iter().all(|k| self.relative_gap(*k) <= REDUNDANT_GAP)
+    }
+
+    /// Closes the ties from the state evaluated last by the shortest motions, whose residual is `size`; returns that of
+    /// the state found, which is not a number if they do not close.
+    pub(super) fn close(&mut self, mut size: f64) -> f64 {
+        let mut last = f64::INFINITY;
+        let mut step = vec![0.0; self.state().len()];
+        for _ in 0..CLOSING_STEPS {
+            if self.is_closed(CLOSED) {
+                return if self.redundant_conditions_hold() { size } else { f64::NAN };
+            }
+            let opening = self.residual().iter().zip(&self.free_residual);
+            step.iter_mut().zip(opening).for_each(|(s, (r, free))| *s = free - r);
+            let length = max_norm(&step);
+            if !(length < CLOSING_PROGRESS * last) {
+                break;
+            }
+            last = length;
+            self.advance(&step);
+            size = self.evaluate();
+        }
+        f64::NAN
     }
 
     /// The largest violation of a condition at the state evaluated last: relative to the length of the longest

@@ -80,7 +80,7 @@ impl TrustRegion {
         }
         system.evaluate_tangent();
         system.start_sweeps();
-        let mut energy = system.data().energy();
+        let mut energy = system.energy();
         // What moves without elasticity may leave a contact, and fall on it again.
         let loose = !system.data().design.units.all_elastic();
         let (mut unrestrained, mut stiff) = (0, false);
@@ -113,6 +113,9 @@ impl TrustRegion {
             self.residual.copy_from_slice(system.residual());
             system.advance(&self.subproblem.step);
             let mut trial_size = system.evaluate();
+            if system.is_projected() {
+                trial_size = system.close(trial_size);
+            }
             if let Some(part) = system.stopped_by_contact(&self.state, &self.subproblem.step) {
                 self.return_from_rejected(system, loose);
                 unrestrained = 0;
@@ -141,7 +144,7 @@ impl TrustRegion {
             if !(accepted && trial_size.is_finite()) {
                 // The current tangent is that of the restored state.
                 self.return_from_rejected(system, loose);
-                stiff |= length < self.options.stiff_radius;
+                stiff |= length < self.options.stiff_radius || system.is_projected();
                 radius = self.options.shrinkage * length.min(radius);
                 unrestrained = 0;
                 continue;
@@ -166,7 +169,7 @@ impl TrustRegion {
                     return Status::Diverged;
                 }
             }
-            energy = system.data().energy();
+            energy = system.energy();
             system.evaluate_tangent();
             system.start_sweeps();
         }
@@ -194,7 +197,7 @@ impl TrustRegion {
         lost: bool,
     ) -> f64 {
         if !lost {
-            return (energy - system.data().energy()) / system.unit_energy();
+            return (energy - system.energy()) / system.unit_energy();
         }
         system.displacement(&self.state, &mut self.moved);
         let forces = self.residual.iter().zip(system.residual());
@@ -227,7 +230,10 @@ impl TrustRegion {
                 break;
             }
             system.advance(&self.correction);
-            system.evaluate();
+            let size = system.evaluate();
+            if system.is_projected() && !system.close(size).is_finite() {
+                break;
+            }
             let found = self.gain(system, energy, lost);
             if !better(found, *actual) {
                 break;
@@ -235,7 +241,7 @@ impl TrustRegion {
             *actual = found;
             self.best.copy_from_slice(system.state());
         }
-        let descends = step.definite || loose && step.part > 0.0;
+        let descends = (step.definite || loose && step.part > 0.0) && !system.is_projected();
         let search = descends && !(*actual > self.options.poor_ratio * step.decrease);
         if search {
             let mut at = 0.5;
