@@ -152,6 +152,19 @@ def test_bad_variables(
         variables(bounds, model)
 
 
+def test_only_what_makes_no_model_is_blamed(model: Model) -> None:
+    bounds = {"exosuit.length": ("8 cm", "9 cm"), "gravity.y": ("-9.81 m/s^2", "0 m/s^2")}
+    with pytest.raises(InputError, match=r'^"gravity.y" cannot have all values between the bounds'):
+        variables(bounds, model).slots(model)
+
+
+def test_friction_that_the_file_has_not_is_said_to_be_absent() -> None:
+    """Beside other friction, of which the model is made."""
+    grasp = flexor.load("grasp")
+    with pytest.raises(InputError, match="zero in the file, and the model is made without"):
+        variables({"exosuit.friction": (0.0, 0.5)}, grasp).slots(grasp)
+
+
 def test_what_changes_the_structure_or_nothing_is_refused(model: Model) -> None:
     """A place between elements and a field without effect cannot be varied."""
     plate = {"kind": "half-space", "point": {"z": "-20 cm"}, "normal": [0.0, 0.0, 1.0]}

@@ -369,6 +369,14 @@ def test_a_wrong_key_in_a_pattern_is_that_of_the_entry_that_is_meant(tmp_path: P
         flexor.design.variables({"*.exosuit.lenth": ("8 cm", "10 cm")}, model)
 
 
+def test_every_alternative_of_a_pattern_is_one(tmp_path: Path) -> None:
+    model = load(written(tmp_path, GLOVE))
+    both = flexor.design.variables({"{index,middle}.exosuit.length": ("8 cm", "10 cm")}, model)
+    assert both.size == 1
+    with pytest.raises(InputError, match=r'nothing is like "mddle" \(did you mean "middle"\?\)'):
+        flexor.design.variables({"{index,mddle}.exosuit.length": ("8 cm", "10 cm")}, model)
+
+
 def test_a_failure_is_that_of_the_part_that_failed(tmp_path: Path) -> None:
     model = load(written(tmp_path, GLOVE))
     start, stop = model.engine.slots["middle.exosuit.length"]

@@ -205,7 +205,8 @@ def test_what_holds_at_the_last_load_is_no_contradiction() -> None:
 def test_loads_that_are_no_variables() -> None:
     model = flexor.load("pneumatic-finger")
     for bounds, message in (
-        ({"evaluation.loads.chamber": ("1 kPa", "2 kPa")}, "unknown input with evaluation.loads"),
+        ({"evaluation.loads.chamber": ("1 kPa", "2 kPa")}, "those of evaluation.pressure"),
+        ({"evaluation.loads.chmber": ("1 kPa", "2 kPa")}, 'did you mean "chamber"'),
         ({"evaluation.pressure": (1, 2)}, "expected a value with its unit"),
     ):
         with pytest.raises(InputError, match=message):

@@ -156,7 +156,7 @@ def test_figures_show_what_there_is(analytic: ModuleType, tmp_path: Path) -> Non
         ways.append(SearchPath.of(study.result, name, name[0].upper()))
     figure = plot.landscape(plane, ways)
     labels = {text.get_text() for text in figure.legends[0].get_texts()}
-    assert {"snaps", "failed", "pattern search: end"} <= labels
+    assert {"snaps or bifurcations", "failed", "pattern search: end"} <= labels
     space, plan = figure.axes[:2]
     for axes in (space, plan):
         assert (axes.get_xlabel(), axes.get_ylabel()) == ("$R_{0}$ / cm", "$R_{1}$ / cm")

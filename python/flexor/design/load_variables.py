@@ -66,6 +66,8 @@ def load_variable(label: str, model: Structure) -> LoadVariable | None:
         if not evaluation.loads and model.inputs == (name,):
             single = "pressure" if model.pressures else "force"
             raise InputError(f"{field}: its loads are those of evaluation.{single}: vary that.")
+        if not evaluation.loads:
+            raise unknown("input", name, model.inputs)
         if name not in evaluation.loads:
             raise unknown("input with evaluation.loads", name, evaluation.loads)
     elif field in _SINGLE and len(model.inputs) == 1 and not evaluation.loads:

@@ -101,11 +101,26 @@ class Lowered:
         try:
             engine = _engine.Model(json.dumps(described))
         except ValueError as error:
-            said = _quoted((name,) if name else self._names)
-            raise InputError(f"{said} cannot be varied so far: {error}.") from None
+            said = _quoted(self._impossible(x, name))
+            raise InputError(
+                f"{said} cannot have all values between the bounds: {error}."
+            ) from None
         if not engine.has_structure_of(self._model.engine):
             raise InputError(self._why_other(x, name))
         return engine.parameters.copy()
+
+    def _impossible(self, x: Array, name: str) -> Sequence[str]:
+        """Return the fields whose value, of (k,), makes no model by itself; all if none does."""
+        alone = [i for i, label in enumerate(self._names) if name in ("", label)]
+        guilty = [self._names[i] for i in alone if not self._makes_model(i, x[i])]
+        return guilty or [self._names[i] for i in alone]
+
+    def _makes_model(self, i: int, value: float) -> bool:
+        try:
+            _engine.Model(json.dumps(lower(replaced(self._model.file, {self._fields[i]: value}))))
+        except ValueError:
+            return False
+        return True
 
     def _why_other(self, x: Array, name: str) -> str:
         """Return why values (k,) of the fields make another model, naming those that do."""
@@ -190,10 +205,11 @@ def _keep(described: dict[str, Any], own: Mapping[str, Any], file: ModelFile) ->
             ]
     rubbing = {each["name"]: each for each in described.get("frictions", [])}
     if frictions := own.get("frictions"):
-        described["frictions"] = [
-            rubbing.get(each["name"], {**each, "coefficient": coefficient(each["name"], file)})
-            for each in frictions
-        ]
+        mine = {each["name"]: each for each in frictions}
+        kept = {
+            name: {**each, "coefficient": coefficient(name, file)} for name, each in mine.items()
+        }
+        described["frictions"] = list({**kept, **rubbing}.values())
     if own.get("weighs") or any(own["gravity"]):
         described["weighs"] = True
     for new, old in _pairs("wrenches", described, own):

@@ -238,18 +238,26 @@ def fields_of(label: str, file: ModelFile, source: str) -> tuple[str, ...]:
     """
     if not _is_pattern(label):
         return constant_radius(label, file) or (label,)
-    patterns = [each.split(".") for each in _without_braces(label.strip())]
+    patterns = [(words, text.split(".")) for words, text in _without_braces(label.strip())]
     names = [name for table in file.named_tables() for name in getattr(file, table)]
     found: dict[str, int] = {}  # with the number of parts of the entry's name
+    used: set[str] = set()
     for name in names:
         parts = name.split(".")
-        for pattern in patterns:
+        for words, pattern in patterns:
             head, rest = pattern[: len(parts)], pattern[len(parts) :]
             if rest and all(map(fnmatchcase, parts, head)):
                 found[".".join([name, *rest])] = len(parts)
+                used.update(words)
     if not found:
         shown = alternatives(label, names)
         raise InputError(f"{source}: no entry of the model is like {shown}.")
+    for words, _ in patterns:
+        for word in words:
+            if word not in used:
+                parts_of = [part for name in names for part in name.split(".")]
+                shown = alternatives(word, dict.fromkeys(parts_of))
+                raise InputError(f'{source}: in "{label}" nothing is like {shown}.')
     numeric = tuple(each for each in found if _can_vary(each, file))
     if not numeric:
         keys_of(max(found, key=found.__getitem__), file)  # says why not
@@ -268,10 +276,13 @@ def _can_vary(field: str, file: ModelFile) -> bool:
     return True
 
 
-def _without_braces(pattern: str) -> Iterator[str]:
+def _without_braces(pattern: str) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Yield the alternatives in braces that are chosen, and the pattern with them."""
     pieces = _BRACES.split(pattern)
     choices = [piece.split(",") if i % 2 else [piece] for i, piece in enumerate(pieces)]
-    return ("".join(part.strip() for part in chosen) for chosen in product(*choices))
+    for chosen in product(*choices):
+        stripped = [part.strip() for part in chosen]
+        yield tuple(stripped[1::2]), "".join(stripped)
 
 
 def recorded_variables(table: Mapping[str, Any], model: Structure) -> Variables:
