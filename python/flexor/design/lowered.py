@@ -209,7 +209,10 @@ def _keep(described: dict[str, Any], own: Mapping[str, Any], file: ModelFile) ->
         kept = {
             name: {**each, "coefficient": coefficient(name, file)} for name, each in mine.items()
         }
-        described["frictions"] = list({**kept, **rubbing}.values())
+        rubs = ("contacts", "foundations", "obstacles")
+        present = {each["name"] for key in rubs for each in described.get(key, [])}
+        new = {name: each for name, each in rubbing.items() if name in mine or name in present}
+        described["frictions"] = list({**kept, **new}.values())
     if own.get("weighs") or any(own["gravity"]):
         described["weighs"] = True
     for new, old in _pairs("wrenches", described, own):
