@@ -14,7 +14,7 @@ use super::same_branch::is_same_branch;
 use super::stability::Stability;
 use super::status::Status;
 use super::step_control::StepControl;
-use super::sweep::Motion;
+use super::sweep::PathMotion;
 use super::system::System;
 use super::trust_region::{Target, TrustRegion};
 use super::vector::max_norm;
@@ -400,7 +400,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         let options = &self.options.same_branch;
         let longest =
             if self.system.switched_on() == self.switched_on { f64::INFINITY } else { options.longest_bend };
-        let motion = Motion { rate: &self.rate, duration: h, velocities: [before, after] };
+        let motion = PathMotion { rate: &self.rate, duration: h, velocities: [before, after] };
         is_same_branch(options, &self.predictor, h, &self.moved, [before, after], longest, &mut self.work)
             && self.system.stopped_while_loaded(&self.start, &self.moved, Some(motion)).is_none()
             && self.meets_no_branch(h)

@@ -3,7 +3,7 @@
 use super::bordered::{Border, Bordered, BorderedTarget, Hyperplane, Multiplier};
 use super::options::{LocateOptions, MixedOptions};
 use super::point_motion::PointMotion;
-use super::sweep::Motion;
+use super::sweep::PathMotion;
 use super::system::System;
 use super::vector::norm;
 use crate::lie::LieGroup;
@@ -191,7 +191,7 @@ impl<const D: usize, const P: usize> PlaneSolver<'_, D, P> {
         let mut moved = vec![0.0; near.q.len()];
         system.displacement(&near.q, &mut moved);
         let velocities = [&near.direction[..], &point.direction];
-        let motion = Motion { rate: self.rate, duration: point.load - near.load, velocities };
+        let motion = PathMotion { rate: self.rate, duration: point.load - near.load, velocities };
         system.stopped_while_loaded(&near.q, &moved, Some(motion)).is_none()
     }
 }

@@ -39,8 +39,8 @@ pub(super) struct Sweep<G, const D: usize, const P: usize> {
     state: Vec<f64>,
     /// How much the motion turns at the beginning and at the end, from the straight step; zero if it is straight.
     bends: [Vec<f64>; 2],
-    /// Largest distance of a point halfway from the straight line; zero where it is negligible.
-    off: f64,
+    /// How near to the straight line bodies have to be for the path to meet them; zero where that is negligible.
+    margin: f64,
     /// Parts of the step at which forces were evaluated; they did not oppose it.
     yielding: Vec<f64>,
 }
@@ -51,13 +51,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Sweep<G, D, P> {
         let n = model.dof();
         let zeros = || vec![0.0; n];
         let (start, bends) = (vec![f64::NAN; n], [zeros(), zeros()]);
-        Self { poses, start, crossings: vec![], state: zeros(), bends, off: 0.0, yielding: vec![] }
+        Self { poses, start, crossings: vec![], state: zeros(), bends, margin: 0.0, yielding: vec![] }
     }
 }
 
 /// How load and state change over a step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion<'a> {
+pub(super) struct PathMotion<'a> {
     /// The rate of the load.
     pub rate: &'a [f64],
     /// The time over which it changes to its current value.
@@ -87,7 +87,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         &mut self,
         start: &[f64],
         step: &[f64],
-        motion: Option<Motion>,
+        motion: Option<PathMotion>,
     ) -> Option<f64> {
         if !self.may_have_crossed(start, step) {
             return None;
@@ -104,7 +104,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
             let mut along = step.to_vec();
             yielding.clear();
             let mut opposed_at = |system: &mut Self, part: f64| {
-                if let Some(Motion { rate, duration, .. }) = motion {
+                if let Some(PathMotion { rate, duration, .. }) = motion {
                     system.set_load_between(&load, rate, (part - 1.0) * duration);
                 }
                 let [place, direction] = [bent_place, bent_direction].map(|bent| bent(part));
@@ -130,17 +130,13 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
     /// Whether the step from `start` to the state evaluated last comes as near to a body as it may be off the way of
     /// the path, by how much that bends.
     fn passes_near(&self, sweep: &mut Sweep<G, D, P>, start: &[f64]) -> bool {
-        let margin = NEAR * sweep.off;
-        if !(margin > DEEP * self.data.thinnest(self.model())) {
+        if sweep.margin == 0.0 {
             return false;
         }
-        let (model, geometry) = (self.model(), &self.data.design.geometry);
-        sweep.poses[0].update(&model.tree, geometry, start);
-        sweep.start.copy_from_slice(start);
+        self.place_start(sweep, start);
+        let ends = [&sweep.poses[0], &self.data.kinematics];
         let mut near = false;
-        self.data.for_each_crossing(model, [&sweep.poses[0], &self.data.kinematics], None, margin, |_| {
-            near = true
-        });
+        self.data.for_each_crossing(self.model(), ends, None, sweep.margin, |_| near = true);
         near
     }
 
@@ -153,16 +149,21 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
             || self.data.may_cross(self.model(), [&sweep.poses[0], &self.data.kinematics])
     }
 
-    fn find_crossings(&self, sweep: &mut Sweep<G, D, P>, start: &[f64], step: &[f64]) {
-        let Sweep { poses, start: known, crossings, state, bends, off, .. } = sweep;
-        crossings.clear();
-        let (model, geometry) = (self.model(), &self.data.design.geometry);
+    /// Takes the poses at the start of a step, unless they are known.
+    fn place_start(&self, Sweep { poses, start: known, .. }: &mut Sweep<G, D, P>, start: &[f64]) {
         if known != start {
-            poses[0].update(&model.tree, geometry, start);
+            poses[0].update(&self.model().tree, &self.data.design.geometry, start);
             known.copy_from_slice(start);
         }
+    }
+
+    fn find_crossings(&self, sweep: &mut Sweep<G, D, P>, start: &[f64], step: &[f64]) {
+        self.place_start(sweep, start);
+        let Sweep { poses, start: known, crossings, state, bends, margin, .. } = sweep;
+        crossings.clear();
+        let (model, geometry) = (self.model(), &self.data.design.geometry);
         let way = Way { start, step, bends };
-        let pieces = self.pieces(poses, way, state, off);
+        let pieces = self.pieces(poses, way, state, margin);
         if pieces == 1.0 {
             let ends = [&poses[0], &self.data.kinematics];
             self.data.for_each_crossing(model, ends, None, 0.0, |at| crossings.push(at));
@@ -190,9 +191,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         poses: &mut [Kinematics<G, D, P>; 2],
         way: Way,
         state: &mut [f64],
-        off: &mut f64,
+        margin: &mut f64,
     ) -> f64 {
-        *off = 0.0;
+        *margin = 0.0;
         let rotation =
             [way.step, &way.bends[0], &way.bends[1]].map(|each| self.rotation(each)).iter().sum::<f64>();
         if rotation <= STRAIGHT {
@@ -206,8 +207,12 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> System<'_, G, D, P> {
         let [first, halfway] = poses;
         halfway.update(&self.model().tree, &self.data.design.geometry, state);
         let ends = first.points.iter().zip(&self.data.kinematics.points);
-        *off = ends.zip(&halfway.points).map(|((a, b), p)| (*p - (*a + *b) * 0.5).norm()).fold(0.0, f64::max);
-        let pieces = (*off / (DEEP * thinnest)).sqrt().max(rotation / MAX_ROTATION);
+        let off =
+            ends.zip(&halfway.points).map(|((a, b), p)| (*p - (*a + *b) * 0.5).norm()).fold(0.0, f64::max);
+        if NEAR * off > DEEP * thinnest {
+            *margin = NEAR * off;
+        }
+        let pieces = (off / (DEEP * thinnest)).sqrt().max(rotation / MAX_ROTATION);
         pieces.ceil().clamp(1.0, MAX_PIECES)
     }
 
@@ -243,7 +248,7 @@ struct Way<'a> {
 
 impl<G, const D: usize, const P: usize> Sweep<G, D, P> {
     /// Lets the motion over a step be the cubic in the directions of the velocities at its ends, or straight.
-    fn bend(&mut self, step: &[f64], motion: Option<Motion>) {
+    fn bend(&mut self, step: &[f64], motion: Option<PathMotion>) {
         let length = norm(step);
         for (end, bend) in self.bends.iter_mut().enumerate() {
             bend.fill(0.0);
