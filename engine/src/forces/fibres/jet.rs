@@ -201,6 +201,17 @@ impl<T: Number<f64>> Number<Constant> for MixedJet<T> {
     }
 }
 
+impl Constant {
+    /// The constants of a law, with respect to the one of index `k`.
+    pub fn seeded(constants: &[f64], k: usize) -> impl Iterator<Item = Self> + '_ {
+        let seed = move |(i, value): (usize, &f64)| Self {
+            value: *value,
+            by_parameter: f64::from(u8::from(i == k)),
+        };
+        constants.iter().enumerate().map(seed)
+    }
+}
+
 impl Mul<f64> for Constant {
     type Output = Self;
     fn mul(self, factor: f64) -> Self {

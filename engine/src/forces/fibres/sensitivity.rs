@@ -215,12 +215,8 @@ impl FibreSections {
             return;
         }
         for k in 0..constants.len() {
-            let seed = |(i, value): (usize, &f64)| Constant {
-                value: *value,
-                by_parameter: f64::from(u8::from(i == k)),
-            };
             out.seeded.clear();
-            out.seeded.extend(constants.iter().enumerate().map(seed));
+            out.seeded.extend(Constant::seeded(constants, k));
             out.by_constant.push(if material.moves() {
                 let [along, hoop] = wall.jets().map(MixedJet::from);
                 material.law.energy(&out.seeded, Hooped::new(along, hoop)).by_parameter.first

@@ -16,11 +16,7 @@ impl Law {
             if self == Law::Linear {
                 return Self::modulus(constants, wound)[k + 1] * (stretch - 1.0);
             }
-            let seed = |(i, value): (usize, &f64)| Constant {
-                value: *value,
-                by_parameter: f64::from(u8::from(i == k)),
-            };
-            let seeded: Vec<Constant> = constants.iter().enumerate().map(seed).collect();
+            let seeded: Vec<Constant> = Constant::seeded(constants, k).collect();
             let stretch = MixedJet::from(Jet { value: stretch, first: 1.0, second: 0.0 });
             let w =
                 if wound { self.energy(&seeded, Kept(stretch)) } else { self.energy(&seeded, Free(stretch)) };
