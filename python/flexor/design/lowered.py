@@ -96,10 +96,10 @@ class Lowered:
 
     def _lowered(self, x: Array, name: str) -> Array:
         file = self._file(x)
-        described = lower(file)
-        _keep(described, self._model.description, file)
         try:
-            engine = _engine.Model(json.dumps(described))
+            engine = _engine_of(file, self._model)
+        except InputError:
+            raise
         except ValueError as error:
             said = _quoted(self._impossible(x, name))
             raise InputError(
@@ -117,7 +117,7 @@ class Lowered:
 
     def _makes_model(self, i: int, value: float) -> bool:
         try:
-            _engine.Model(json.dumps(lower(replaced(self._model.file, {self._fields[i]: value}))))
+            _engine_of(replaced(self._model.file, {self._fields[i]: value}), self._model)
         except ValueError:
             return False
         return True
@@ -182,13 +182,20 @@ def parameters_with(model: Structure, changes: Mapping[Keys, float]) -> Array | 
         By the keys of a field; see `flexor.design.fields`.
     """
     try:
-        file = replaced(model.file, changes)
-        described = lower(file)
-        _keep(described, model.description, file)
-        engine = _engine.Model(json.dumps(described))
+        engine = _engine_of(replaced(model.file, changes), model)
     except ValueError:  # of the file, too: an `InputError` is one
         return None
     return engine.parameters.copy() if engine.has_structure_of(model.engine) else None
+
+
+def _engine_of(file: ModelFile, model: Structure) -> _engine.Model:
+    """Return the engine of a changed file, with what is made once for the model itself.
+
+    ValueError if there is no such model, InputError if the file says so.
+    """
+    described = lower(file)
+    _keep(described, model.description, file)
+    return _engine.Model(json.dumps(described))
 
 
 def _keep(described: dict[str, Any], own: Mapping[str, Any], file: ModelFile) -> None:
