@@ -50,6 +50,12 @@ def arrays(results: Results) -> dict[str, object]:
     return {name: getattr(results, name) for name in sorted(names)}
 
 
+def test_without_straps_their_tensions_are_none() -> None:
+    path = flexor.load("finger").equilibrium([0.0, 1.0])
+    assert path.strap_tension.shape == (2, 0)
+    assert path.strap_forces() == {}
+
+
 def test_every_array_of_the_engine_says_how_components_join(finger: Model) -> None:
     """Those beside them are joined by their own rules."""
     none = np.zeros(0, dtype=np.intp)

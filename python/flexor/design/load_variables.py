@@ -63,11 +63,11 @@ def load_variable(label: str, model: Structure) -> LoadVariable | None:
     evaluation = model.file.evaluation
     if field.startswith(_NAMED):
         name = field.removeprefix(_NAMED)
-        if not evaluation.loads and model.inputs == (name,):
+        if name not in model.inputs:
+            raise unknown("input", name, model.inputs)
+        if not evaluation.loads and len(model.inputs) == 1:
             single = "pressure" if model.pressures else "force"
             raise InputError(f"{field}: its loads are those of evaluation.{single}: vary that.")
-        if not evaluation.loads:
-            raise unknown("input", name, model.inputs)
         if name not in evaluation.loads:
             raise unknown("input with evaluation.loads", name, evaluation.loads)
     elif field in _SINGLE and len(model.inputs) == 1 and not evaluation.loads:

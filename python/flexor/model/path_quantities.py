@@ -53,8 +53,7 @@ class PathQuantities(Results):
 
     def strap_forces(self) -> dict[str, Array]:
         """Return the tension of each strap [N], (s,); NaN where there is no equilibrium."""
-        straps = self.model.file.straps
-        return dict(zip(straps, self.strap_tension.T, strict=True)) if straps else {}
+        return dict(zip(self.model.file.straps, self.strap_tension.T, strict=True))
 
     def tendon_lengths(self) -> dict[str, Array]:
         """Return the length of each tendon [m], (s,); NaN where there is no equilibrium."""

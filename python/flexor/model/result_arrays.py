@@ -250,9 +250,10 @@ class Results:
     @property
     def strap_tension(self) -> Array:
         """Tension of each strap [N], (n, s, straps)."""
-        of = {"loops": self.loop_tension, "springs": self.spring_tension}
-        found = [of[group][..., i] for group, i in self.model.strap_places.values()]
-        return np.stack(found, axis=-1)
+        first = {"loops": 0, "springs": self.loop_tension.shape[-1]}
+        places = self.model.strap_places.values()
+        columns = np.array([first[of] + i for of, i in places], dtype=np.intp)
+        return np.concatenate([self.loop_tension, self.spring_tension], axis=-1)[..., columns]
 
     @property
     def max_strain(self) -> Array:
