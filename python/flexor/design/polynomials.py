@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -85,12 +86,22 @@ class Terms:
         return cls(powers, tuple(order), columns, tuple(placed))
 
     def sums(self, factors: Array) -> Array:
-        """Return the sum in each of the columns, (n, m), for factors (n, k, degrees)."""
-        terms = np.ones((len(factors), len(self.powers)))
-        for variable in self.order:
-            terms *= factors[:, variable, self.powers[:, variable]]
-        found = np.zeros((len(factors), len(self.columns)))
+        """Return the sum in each of the columns, (m, n), for factors (k, degrees, n)."""
+        terms = np.ones((len(self.powers), factors.shape[2]))
+        for variable, rows, degrees in self._products:
+            terms[rows] *= factors[variable, degrees]
+        found = np.zeros((len(self.columns), factors.shape[2]))
         # Term by term: a design must not depend on its neighbours in the batch.
         for columns, which, coefficients in self.steps:
-            found[:, columns] += terms[:, which] * coefficients
+            found[columns] += terms[which] * coefficients[:, None]
         return found
+
+    @cached_property
+    def _products(self) -> list[tuple[int, NDArray[np.intp], NDArray[np.intp]]]:
+        """The terms that have a factor of each variable, in the order of these, and its degree."""
+        first = self.order[0] if self.order else None
+        chosen = [
+            (each, np.flatnonzero((self.powers[:, each] > 0) | (each == first)))
+            for each in self.order
+        ]
+        return [(each, rows, self.powers[rows, each]) for each, rows in chosen if len(rows)]

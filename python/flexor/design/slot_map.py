@@ -51,23 +51,23 @@ class RestLength:
     offset: int
 
     def value(self, found: Array) -> Array:
-        """Return it, (n,), given all columns (n, w)."""
-        ends, offset = found[:, self.ends], found[:, self.offset]
+        """Return it, (n,), given all columns (w, n)."""
+        ends, offset = found[self.ends], found[self.offset]
         if len(self.ends) == 3:
-            return np.asarray(np.sqrt((ends * ends).sum(axis=1)) + offset)
-        return gaps(ends) + offset
+            return np.asarray(np.sqrt((ends * ends).sum(axis=0)) + offset)
+        return gaps(ends.T) + offset
 
     def slopes(self, here: Array, slopes: Array) -> Array:
-        """Return its derivatives (n, k), given columns (n, w) and their derivatives (n, w, k)."""
-        ends = here[:, self.ends]
+        """Return its derivatives (n, k), given columns (w, n) and their derivatives (n, k, w)."""
+        ends = here[self.ends]
         if len(self.ends) == 3:
-            length = np.sqrt((ends * ends).sum(axis=1, keepdims=True))
+            length = np.sqrt((ends * ends).sum(axis=0))
             by_ends = np.divide(ends, length, out=np.zeros_like(ends), where=length > 0.0)
         else:
-            by_ends = gap_slopes(ends)
-        found = slopes[:, self.offset].copy()
-        for i, column in enumerate(self.ends):
-            found += by_ends[:, i, None] * slopes[:, column]
+            by_ends = gap_slopes(ends.T).T
+        found = slopes[..., self.offset].copy()
+        for by_end, column in zip(by_ends, self.ends, strict=True):
+            found += by_end[:, None] * slopes[..., column]
         return found
 
 
@@ -103,8 +103,8 @@ class SlotMap:
         """Return the parameters (n, m) of designs (n, k), SI."""
         found = self._evaluate(self._legendre(x)[0])
         for strap in self.straps:
-            found[:, strap.column] = strap.value(found)
-        return found[:, : len(self.indices)]
+            found[strap.column] = strap.value(found)
+        return found[: len(self.indices)].T
 
     def valid(self, x: Array) -> NDArray[np.bool_]:
         """Return which designs (n, k) can be, (n,): all."""
@@ -116,36 +116,39 @@ class SlotMap:
         here = self._evaluate(values)
         outer = np.ones_like(here)
         for form, columns in self._forms.items():
-            outer[:, columns] = FORMS[form][2](here[:, columns])
-        found = np.zeros((*here.shape, x.shape[1]))
+            outer[columns] = FORMS[form][2](here[columns])
+        # Parameters last: those that depend on a variable are often neighbours.
+        found = np.zeros((*x.shape, len(here)))
         for variable, terms in enumerate(self._terms[1:]):
             factors = values.copy()
-            factors[:, variable] = slopes[:, variable]
+            factors[variable] = slopes[variable]
             own = terms.columns
-            found[:, own, variable] = outer[:, own] * terms.sums(factors) / self.half[variable]
+            found[:, variable, own] = (outer[own] * terms.sums(factors) / self.half[variable]).T
         for column, below in self.quotients:
-            rise = found[:, column] - here[:, column, None] * found[:, below]
-            found[:, column] = rise / here[:, below, None]
+            rise = found[..., column] - here[column][:, None] * found[..., below]
+            found[..., column] = rise / here[below][:, None]
         for strap in self.straps:
-            found[:, strap.column] = strap.slopes(here, found)
-        return found[:, : len(self.indices)]
+            found[..., strap.column] = strap.slopes(here, found)
+        return found[..., : len(self.indices)].swapaxes(1, 2)
 
     def _evaluate(self, values: Array) -> Array:
-        """Return all columns but rest lengths for Legendre polynomials (n, k, degrees)."""
-        found = np.zeros((len(values), len(self.every) + len(self.quotients)))
-        found[:, self._terms[0].columns] = self._terms[0].sums(values)
+        """Return all columns but rest lengths, (w, n), for Legendre polynomials."""
+        found = np.zeros((len(self.every) + len(self.quotients), values.shape[2]))
+        found[self._terms[0].columns] = self._terms[0].sums(values)
         # What rounding leaves of a zero may have the wrong sign.
-        found[np.abs(found) <= self._rounding] = 0.0
+        found[np.abs(found) <= self._rounding[:, None]] = 0.0
         for form, columns in self._forms.items():
-            found[:, columns] = FORMS[form][1](found[:, columns])
+            found[columns] = FORMS[form][1](found[columns])
         for column, below in self.quotients:
-            found[:, column] /= found[:, below]
+            found[column] /= found[below]
         return found
 
     def _legendre(self, x: Array) -> tuple[Array, Array]:
-        """Return Legendre polynomials and their slopes at designs (n, k), each (n, k, degrees)."""
+        """Return Legendre polynomials and their slopes at designs (n, k), (k, degrees, n)."""
         top = max((int(fit.powers.max(initial=0)) for fit in self.fits), default=0)
-        return legendre((x - self.middle) / self.half, top)
+        values, slopes = legendre(((x - self.middle) / self.half).T, top)
+        by_degree = [np.ascontiguousarray(each.swapaxes(1, 2)) for each in (values, slopes)]
+        return by_degree[0], by_degree[1]
 
     @cached_property
     def _rounding(self) -> Array:

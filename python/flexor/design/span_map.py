@@ -92,15 +92,16 @@ class SpanMap:
 
     def jacobian(self, x: Array) -> Array:
         """Return the derivatives (n, m, k) of the parameters of designs (n, k)."""
-        found = np.zeros((len(x), len(self.indices), x.shape[1]))
+        found = np.zeros((*x.shape, len(self.indices)))
         slopes = self.others.jacobian(np.ascontiguousarray(x[:, self._chosen]))
-        found[:, self._columns[:, None], np.flatnonzero(self._chosen)] = slopes
+        for j, variable in enumerate(np.flatnonzero(self._chosen)):
+            found[:, variable, self._columns] = slopes[..., j]
         for each in self._spans:
             slopes = shares(each.rod, each.ends(x))[1]
             for end, variable in enumerate(each.variables):
                 if variable is not None:
-                    found[:, each.columns, variable] = slopes[..., end]
-        return found
+                    found[:, variable, each.columns] = slopes[..., end]
+        return found.swapaxes(1, 2)
 
     def valid(self, x: Array) -> NDArray[np.bool_]:
         """Return which designs (n, k) have spans that end after their begin, (n,)."""

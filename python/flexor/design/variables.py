@@ -170,9 +170,12 @@ class Variables(ParameterSet):
     def slot_jacobian(self, p: Array, model: Structure) -> Array:
         """Differentiate the engine's parameters that `designs` changes, (n, m, k)."""
         found, of_file = self._map(model), ~self._of_loads
-        whole = np.zeros((len(p), len(found.indices), self.size))
-        whole[:, :, of_file] = found.jacobian(np.ascontiguousarray(self._designs(p)[:, of_file]))
-        return whole
+        slopes = found.jacobian(np.ascontiguousarray(self._designs(p)[:, of_file]))
+        if of_file.all():
+            return slopes
+        whole = np.zeros((*np.shape(p), len(found.indices)))
+        whole[:, of_file] = slopes.swapaxes(1, 2)
+        return whole.swapaxes(1, 2)
 
     def changes(self, p: Array) -> dict[str, object]:
         """Return one design (k,) as changes of the model file, for `flexor.load`."""
