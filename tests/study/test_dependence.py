@@ -1,4 +1,4 @@
-"""An objective that no variable has an effect on is said before a search."""
+"""What no variable has an effect on, or no design seems to keep, is said before a search."""
 
 from __future__ import annotations
 
@@ -39,6 +39,20 @@ def test_a_constraint_that_none_keeps_at_first_is_a_warning() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error", ModelWarning)
         assert optimize(model, wall, aim, subject_to=[f"{bound} at end"], budget=1).best.feasible
+
+
+def test_a_constraint_far_from_being_kept_is_a_warning() -> None:
+    """One that some designs could keep is not, though none of those that are tried does."""
+    aim, wall = "minimise mass", {"exosuit.section.wall": ("1.5 mm", "3 mm")}
+    said = r"may never hold: centreline-depth is from -\d.* mm to .* mm for 16 designs"
+    with pytest.warns(ModelWarning, match=said):
+        optimize("pneumatic-finger", wall, aim, subject_to=["centreline-depth <= -2 m"], budget=1)
+    tight = "mass <= 10 g"
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ModelWarning)
+        assert not optimize(
+            "pneumatic-finger", wall, aim, subject_to=[tight], budget=1
+        ).best.feasible
 
 
 def test_an_objective_that_depends_on_one_of_two_is_searched() -> None:

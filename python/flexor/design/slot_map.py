@@ -55,7 +55,7 @@ class RestLength:
         ends, offset = found[self.ends], found[self.offset]
         if len(self.ends) == 3:
             return np.asarray(np.sqrt((ends * ends).sum(axis=0)) + offset)
-        return gaps(ends.T) + offset
+        return np.asarray(gaps(ends.T) + offset)
 
     def slopes(self, here: Array, slopes: Array) -> Array:
         """Return its derivatives (n, k), given columns (w, n) and their derivatives (n, k, w)."""
@@ -65,7 +65,7 @@ class RestLength:
             by_ends = np.divide(ends, length, out=np.zeros_like(ends), where=length > 0.0)
         else:
             by_ends = gap_slopes(ends.T).T
-        found = slopes[..., self.offset].copy()
+        found: Array = slopes[..., self.offset].copy()
         for by_end, column in zip(by_ends, self.ends, strict=True):
             found += by_end[:, None] * slopes[..., column]
         return found

@@ -94,8 +94,8 @@ class SpanMap:
         """Return the derivatives (n, m, k) of the parameters of designs (n, k)."""
         found = np.zeros((*x.shape, len(self.indices)))
         slopes = self.others.jacobian(np.ascontiguousarray(x[:, self._chosen]))
-        for j, variable in enumerate(np.flatnonzero(self._chosen)):
-            found[:, variable, self._columns] = slopes[..., j]
+        for j, other in enumerate(np.flatnonzero(self._chosen)):
+            found[:, other, self._columns] = slopes[..., j]
         for each in self._spans:
             slopes = shares(each.rod, each.ends(x))[1]
             for end, variable in enumerate(each.variables):

@@ -1,13 +1,15 @@
-"""Said before a search: what no variable has an effect on, and what no design keeps at first."""
+"""Said before a search: what no variable has an effect on, and what no design seems to keep."""
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 
 from flexor.errors import InputError, ModelWarning
+from flexor.model.results import Paths
 from flexor.objectives import Extremum
 from flexor.study.problem import FloatArray, Problem
 from flexor.study.scenario_problem import ScenarioProblem
@@ -18,13 +20,14 @@ _SAMPLES = 15
 _ROUNDING = 1e-9
 
 
-def check_dependence(problem: Problem) -> None:
-    """Refuse to search for the extremum of an observable that no variable has an effect on.
+def check_problem(problem: Problem) -> None:
+    """Try designs all over the bounds, and say what a search would not find.
 
-    That is so if its values at designs all over the bounds are the same, and all its derivatives
-    there vanish. Where these values are zero, such as that of an overlap without contact, or the
-    objective is an aggregate of scenarios or errors, there is a warning, as they may differ
-    elsewhere.
+    Refused is the extremum of an observable that no variable has an effect on: its values are the
+    same, and all its derivatives vanish. Where these values are zero, such as that of an overlap
+    without contact, or the objective is an aggregate of scenarios or errors, there is a warning, as
+    they may differ elsewhere. Warnings are also of constraints that are far from being kept, and of
+    those that all designs break alike under the first load.
 
     Raises
     ------
@@ -32,10 +35,19 @@ def check_dependence(problem: Problem) -> None:
         Naming the objective and the variables.
     """
     nominal = problem.nominal
+    extremum = isinstance(nominal.objective, Extremum)
+    if extremum or nominal.constraints:
+        found = nominal.evaluate(_designs(nominal), gradient=extremum and nominal.differentiable)
+        if extremum:
+            _check_dependence(problem, found)
+        _check_reach(nominal, found, _broken_at_first(nominal))
+
+
+def _check_dependence(problem: Problem, found: Paths) -> None:
+    """Refuse an objective that no variable has an effect on, or warn of it."""
+    nominal = problem.nominal
     wanted = nominal.objective
-    if not isinstance(wanted, Extremum):
-        return
-    found = nominal.evaluate(_designs(nominal), gradient=nominal.differentiable)
+    assert isinstance(wanted, Extremum)
     good = np.isfinite(found.value)
     values = found.value[good]
     if good.sum() < 3:
@@ -58,23 +70,42 @@ def check_dependence(problem: Problem) -> None:
         f'objective "{wanted.name}" is {value} for all of {len(values)} designs that were tried, '
         f"with derivatives of zero: it may depend on none of the variables ({names}).",
         ModelWarning,
-        stacklevel=3,
+        stacklevel=4,
     )
 
 
-def check_first_load(problem: Problem) -> None:
-    """Warn of constraints that all designs break alike under the first load.
+def _check_reach(nominal: Problem, found: Paths, said: Collection[str]) -> None:
+    """Warn of constraints further from being kept than designs differ, but for those in `said`."""
+    for each, column in zip(nominal.constraints, found.constraint_values.T, strict=True):
+        text, values = each.text(nominal.model), column[np.isfinite(column)]
+        if text in said or len(values) < 3:
+            continue
+        lowest, highest = float(values.min()), float(values.max())
+        nearest = lowest if each.sense == "<=" else highest
+        beyond = nearest - each.bound if each.sense == "<=" else each.bound - nearest
+        if beyond > highest - lowest:
+            shown = each.observable(nominal.model).shown
+            warnings.warn(
+                f'constraint "{text}" may never hold: {each.name} is from {shown(lowest)} to '
+                f"{shown(highest)} for {len(values)} designs that were tried.",
+                ModelWarning,
+                stacklevel=4,
+            )
+
+
+def _broken_at_first(nominal: Problem) -> list[str]:
+    """Warn of constraints that all designs break alike under the first load; return their texts.
 
     Such as of a bending that is zero there, where it was meant to be reached under the last load.
     """
-    nominal = problem.nominal
+    said: list[str] = []
     bounds = [each for each in nominal.constraints if not each.at_end]
     if not bounds or len(nominal.loads) < 2 or nominal.parameters.varied_inputs:
-        return
+        return said
     model = nominal.model
     designs, valid = nominal.parameters.designs(_designs(nominal), model)
     if not valid.all():
-        return
+        return said
     first = nominal.loads[:1]
     paths = model.evaluate(designs, first, **dict[str, Any](nominal.options))
     for each in bounds:
@@ -83,14 +114,16 @@ def check_first_load(problem: Problem) -> None:
         if len(values) < 3 or not np.ptp(values) <= _ROUNDING * size:
             continue
         if (each.excess(values) > 0.0).all():
+            said.append(each.text(model))
             warnings.warn(
                 f'constraint "{each.text(model)}" is broken by all {len(values)} designs that were '
                 f"tried under the first load, {model.show_loads(first[0])}, where {each.name} is "
                 f'{each.observable(model).shown(float(values[0]))}: add "at end" if it has to hold '
                 "at the last load only.",
                 ModelWarning,
-                stacklevel=3,
+                stacklevel=4,
             )
+    return said
 
 
 def _aggregated(problem: Problem) -> bool:

@@ -32,7 +32,7 @@ from flexor.optimizers import (
 from flexor.optimizers import method as named_method
 from flexor.scenarios.scenario import Given
 from flexor.store import Database, Kind, Workspace
-from flexor.study.dependence import check_dependence, check_first_load
+from flexor.study.dependence import check_problem
 from flexor.study.design import Design
 from flexor.study.executors import AnyExecutor, DesignEvaluator, chosen_executor
 from flexor.study.optimum import save_optimum
@@ -200,8 +200,7 @@ def optimize(
         search = method
     check_objectives(search, problem.objective)
     if not resume:
-        check_dependence(problem)
-        check_first_load(problem)
+        check_problem(problem)
     return run_search(
         STUDY,
         problem,

@@ -22,7 +22,7 @@ from flexor.scenarios import Scenario
 from flexor.scenarios.aggregate import SHORTFALL
 from flexor.scenarios.scenario import Given
 from flexor.store import write_text
-from flexor.study.dependence import check_dependence, check_first_load
+from flexor.study.dependence import check_problem
 from flexor.study.design import Design
 from flexor.study.executors import AnyExecutor
 from flexor.study.members import SIZES
@@ -142,8 +142,7 @@ def sizes(
             f"sizes is {count}, more than the {len(whole.scenarios)} wearers and scenarios that "
             "they are for: give --wearers, a number of at least as many."
         )
-    check_dependence(nominal)
-    check_first_load(nominal)
+    check_problem(nominal)
     search = named_method(method, **(method_options or {})) if isinstance(method, str) else method
     local, limit = getattr(search, "from_optimum", search), Budget(evaluations=budget)
 
