@@ -152,6 +152,8 @@ def test_a_tolerance_of_the_place_alone(model: Model) -> None:
     [
         ({"middle.at": (0.5, 1.2)}, "middle.at = 0.5:1.2: the bounds of a place along a rod are"),
         ({"middle.at": ("5 cm", "6 cm")}, "expected a plain number"),
+        ({"middle.at": (0.5, float("inf"))}, 'has the bound "inf": it must be a finite number'),
+        ({"exosuit.length": ("nan cm", "12 cm")}, 'the bound "nan cm": it must be a finite number'),
     ],
 )
 def test_bad_bounds(model: Model, bounds: dict[str, object], message: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -327,6 +328,10 @@ def _ends(
             number, unit = infer_quantity(value, f"{source}: {label}")
         except InputError:
             number, unit = 0.0, None
+        if not _is_finite(end):
+            raise InputError(
+                f'{source}: {label} has the bound "{end}": it must be a finite number.'
+            )
         if unit is None or unit.si != own.si:
             raise InputError(f'{source}: {label} has the bound "{end}": expected {_wanted(own)}.')
         found.append((number, unit))
@@ -360,6 +365,12 @@ def _wanted(own: Unit) -> str:
 
 def _shown(pair: Sequence[object]) -> str:
     return ":".join(str(end) for end in pair)
+
+
+def _is_finite(end: object) -> bool:
+    """Whether a bound, with its unit or not, is no infinite number and no NaN; also if it is none."""
+    number = _number(str(end).partition(" ")[0])
+    return not isinstance(number, float) or math.isfinite(number)
 
 
 def _number(text: str) -> object:
