@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -14,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexor.arrays import Array
+from flexor.design.bounds import check_bounds, check_fractions, number_of, read_bounds, wanted
 from flexor.design.field_map import FieldMap, field_map, field_map_again
-from flexor.design.fields import keys_of, refusal, value_of
+from flexor.design.fields import keys_of, value_of
 from flexor.design.load_variables import LoadVariable, check_force, largest_of, load_variable
 from flexor.design.parameter_set import ParameterSet
 from flexor.design.profiles import SPLINE, control_values, with_splines
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
     from flexor.model import Model
-    from flexor.model.schema import ModelFile
     from flexor.model.structure import Structure
 
 NAME = "fields"
@@ -116,9 +115,9 @@ class Variables(ParameterSet):
     def parse(self, label: str, text: str, option: str) -> float:
         """Read the value of a field, SI; see `ParameterSet.parse`."""
         own = self.kinds[self.labels.index(label)]
-        value, unit = infer_quantity(text if own.si else _number(text), f"{option}: {label}")
+        value, unit = infer_quantity(text if own.si else number_of(text), f"{option}: {label}")
         if unit.si != own.si:
-            raise InputError(f'{option} has {label} = "{text}": expected {_wanted(own)}.')
+            raise InputError(f'{option} has {label} = "{text}": expected {wanted(own)}.')
         return value
 
     def designs(self, p: Array, model: Structure) -> tuple[SlotValues, NDArray[np.bool_]]:
@@ -247,14 +246,6 @@ class Variables(ParameterSet):
         return {key: value for key, value in self.__dict__.items() if key not in cached}
 
 
-def _check_fractions(label: str, ends: tuple[float, float], source: str) -> None:
-    if not 0.0 <= ends[0] < ends[1] <= 1.0:
-        raise InputError(
-            f"{source}: {label} = {ends[0]:g}:{ends[1]:g}: the bounds of a place along a rod are "
-            "from 0 to 1."
-        )
-
-
 def field_variables(
     bounds: Mapping[str, Sequence[object]], model: Structure, source: str = "--vary"
 ) -> Variables:
@@ -277,17 +268,17 @@ def field_variables(
         seen[keys] = label
         value = value_of(keys, file) if load is None else quantity_of(load)
         _, own = infer_quantity(getattr(value, "text", value), label)
-        ends, shown = _ends(pair, label, own, isinstance(value, Quantity), source)
+        ends, shown = read_bounds(pair, label, own, isinstance(value, Quantity), source)
         if load is None and is_span(keys):
-            _check_fractions(label, ends, source)
+            check_fractions(label, ends, source)
             own_span = file.actuators[keys[1]].span  # type: ignore[union-attr]
             spans[label] = (".".join(keys[:3]), int(keys[3]), tuple(map(float, own_span)))
         if load is None and is_place(keys):
-            _check_fractions(label, ends, source)
+            check_fractions(label, ends, source)
             check_place(label, keys[1], file, source)
         if load is None:
             check_force(label, keys, file, source)
-            _check_ends(pair, ends, own, label, keys, file, source)
+            check_bounds(pair, ends, own, label, keys, file, source)
         lower.append(ends[0])
         upper.append(ends[1])
         kinds.append(shown)
@@ -314,67 +305,3 @@ def _prepared(model: Structure, splines: Mapping[str, int]) -> Structure:
 def quantity_of(load: LoadVariable) -> float:
     """Return the largest load of an input, with its unit if it has one."""
     return Quantity(load.start, f"{load.start!r} {load.unit}") if load.unit else load.start
-
-
-def _ends(
-    pair: Sequence[object], label: str, own: Unit, with_unit: bool, source: str
-) -> tuple[tuple[float, float], Unit]:
-    if isinstance(pair, str) or len(pair) != 2:
-        raise InputError(f"{source}: {label} = {pair!r}: expected a lower and an upper bound.")
-    found = []
-    for end in pair:
-        value = _number(end) if not with_unit and isinstance(end, str) else end
-        try:
-            number, unit = infer_quantity(value, f"{source}: {label}")
-        except InputError:
-            number, unit = 0.0, None
-        if not _is_finite(end):
-            raise InputError(
-                f'{source}: {label} has the bound "{end}": it must be a finite number.'
-            )
-        if unit is None or unit.si != own.si:
-            raise InputError(f'{source}: {label} has the bound "{end}": expected {_wanted(own)}.')
-        found.append((number, unit))
-    (low, _), (high, shown) = found
-    if not low < high:
-        raise InputError(
-            f"{source}: {label} = {_shown(pair)}: the lower bound must be below the upper one."
-        )
-    return (low, high), shown
-
-
-def _check_ends(
-    pair: Sequence[object],
-    ends: tuple[float, float],
-    own: Unit,
-    label: str,
-    keys: tuple[str, ...],
-    file: ModelFile,
-    source: str,
-) -> None:
-    """Check that both bounds are values that a field may have."""
-    for stated, value in zip(pair, ends, strict=True):
-        why = refusal(keys, own.exact(value), file)
-        if why:
-            raise InputError(f'{source}: {label} has the bound "{stated}": {why}.')
-
-
-def _wanted(own: Unit) -> str:
-    return f"a value with its unit, such as 10 {own.text}" if own.si else "a plain number"
-
-
-def _shown(pair: Sequence[object]) -> str:
-    return ":".join(str(end) for end in pair)
-
-
-def _is_finite(end: object) -> bool:
-    """Whether a bound, with its unit or not, is no infinite number and no NaN; also if it is none."""
-    number = _number(str(end).partition(" ")[0])
-    return not isinstance(number, float) or math.isfinite(number)
-
-
-def _number(text: str) -> object:
-    try:
-        return float(text)
-    except ValueError:
-        return text
