@@ -119,6 +119,8 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
         let mut parameters = known.base.to_vec();
         let mut design = None;
         let mut next = sums.start;
+        // The first sum at an equilibrium that is of an output alone, for each of these.
+        let mut alone: Vec<Option<usize>> = vec![None; outputs];
         for equilibrium in range {
             if known.cancel.is_some_and(Cancel::is_requested) {
                 break;
@@ -147,9 +149,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             let regularity = Regularity::of(self, &system);
             adjoint.visit(self, &system);
             let weights = |sum: usize| &known.weights[sum * outputs..(sum + 1) * outputs];
-            for sum in own.clone() {
+            alone.fill(None);
+            for sum in own {
                 let row = sum - sums.start;
-                let both_ways = match combination(weights(sum), (own.start..sum).map(|k| (k, weights(k)))) {
+                let both_ways = match combination(weights(sum), &alone, weights) {
                     Some(parts) => {
                         found.combine(row, parts.iter().map(|(k, factor)| (k - sums.start, *factor)))
                     }
@@ -163,23 +166,22 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
                 };
                 let tied = regularity == Regularity::Regular && !both_ways;
                 found.regularity[row] = if tied { Regularity::Tied } else { regularity } as u8;
+                let mut used = (0..outputs).filter(|output| weights(sum)[*output] != 0.0);
+                if let (Some(output), None) = (used.next(), used.next()) {
+                    alone[output].get_or_insert(sum);
+                }
             }
         }
         found
     }
 }
 
-/// Others with their factors, each of a single output, that add up to a sum; `None` if there are none.
+/// Sums with their factors, each `alone` with an output, that add up to one; `None` if there are none.
 fn combination<'a>(
     sum: &[f64],
-    others: impl Iterator<Item = (usize, &'a [f64])> + Clone,
+    alone: &[Option<usize>],
+    weights: impl Fn(usize) -> &'a [f64],
 ) -> Option<Vec<(usize, f64)>> {
-    let has_only = |weights: &[f64], output: usize| {
-        weights.iter().enumerate().all(|(k, w)| (*w != 0.0) == (k == output))
-    };
-    let of_output = |(output, weight): (usize, &f64)| {
-        let (k, weights) = others.clone().find(|(_, weights)| has_only(weights, output))?;
-        Some((k, weight / weights[output]))
-    };
-    sum.iter().enumerate().filter(|(_, weight)| **weight != 0.0).map(of_output).collect()
+    let used = sum.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+    used.map(|(output, weight)| alone[output].map(|k| (k, weight / weights(k)[output]))).collect()
 }

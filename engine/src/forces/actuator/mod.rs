@@ -119,17 +119,9 @@ impl Actuators {
             let path = actuator.path(rod, gauss, routing, p);
             let point = PointSensitivity::of::<G, D, P>(rod, gauss, path, p, q);
             let weight = factor * actuator.sign * gauss.weight;
-            let (radius, slope) = (rod.radius.start + gauss.point, rod.slope.start + gauss.point);
-            for i in 0..2 {
-                let by_offset = weight * dot(&point.unit, &point.by_offset[i]);
-                let by_slope = weight * point.unit[i + 1];
-                let lever = p[actuator.lever + i];
-                gradient[radius] += lever * by_offset;
-                gradient[slope] += lever * by_slope;
-                gradient[actuator.lever + i] += p[radius] * by_offset + p[slope] * by_slope;
-                gradient[routing + i] += by_offset;
-                gradient[routing + 2 + i] += by_slope;
-            }
+            let by_offset = point.by_offset.map(|by| weight * dot(&point.unit, &by));
+            let by_slope = [1, 2].map(|i| weight * point.unit[i]);
+            actuator.add_by_path(rod, gauss, routing, p, [by_offset, by_slope], gradient);
             gradient[rod.length] += weight * dot(&point.unit, &point.by_length);
             for mode in G::AXES {
                 let tau = by_strain::<G, D, P>(mode, point.offset);
@@ -371,7 +363,6 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             let routing = actuator.routing.iter().copied();
             for ((gauss, routing), point) in rod.gauss.iter().zip(routing).zip(points.by_ref()) {
                 let PointSensitivity { offset, unit, norm, tension, by_offset, by_length } = point;
-                let (radius, slope) = (rod.radius.start + gauss.point, rod.slope.start + gauss.point);
                 let mut strain = [0.0; 6];
                 add_strain(&mut strain, &gauss.columns, length, motion.coordinates);
                 let v = tangent_of::<G, D, P>(&strain, *offset);
@@ -380,18 +371,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
                 let work = |dtau: [f64; 3], dv: [f64; 3]| {
                     tension * ((dot(&dtau, &v) - dot(&dtau, unit) * dot(unit, &v)) / norm + dot(unit, &dv))
                 };
-                for i in 0..2 {
-                    let mut sideways = [0.0; 3];
-                    sideways[i + 1] = 1.0;
-                    let by_offset = work(by_offset[i], v_by_offset[i]);
-                    let by_slope = work(sideways, [0.0; 3]);
-                    let lever = p[actuator.lever + i];
-                    gradient[radius] += lever * by_offset;
-                    gradient[slope] += lever * by_slope;
-                    gradient[actuator.lever + i] += p[radius] * by_offset + p[slope] * by_slope;
-                    gradient[routing + i] += by_offset;
-                    gradient[routing + 2 + i] += by_slope;
-                }
+                let by_offset = [0, 1].map(|i| work(by_offset[i], v_by_offset[i]));
+                let by_slope = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|sideways| work(sideways, [0.0; 3]));
+                actuator.add_by_path(rod, gauss, routing, p, [by_offset, by_slope], gradient);
                 for mode in G::AXES {
                     let m = mode.index();
                     strain[m] = if mode.is_angular() { 0.0 } else { strain[m] / length };

@@ -26,6 +26,28 @@ impl Actuator {
         let along = |i: usize, size: f64, fixed: usize| p[fixed + i] + p[self.lever + i] * size;
         [[0, 1].map(|i| along(i, s, routing)), [0, 1].map(|i| along(i, slope, routing + 2))]
     }
+
+    /// Adds derivatives with respect to what makes the path at a Gauss point, given those with respect to the
+    /// components of d and of d′.
+    pub fn add_by_path(
+        &self,
+        rod: &Rod,
+        gauss: &GaussPoint,
+        routing: usize,
+        p: &[f64],
+        [by_offset, by_slope]: [[f64; 2]; 2],
+        gradient: &mut [f64],
+    ) {
+        let (radius, slope) = (rod.radius.start + gauss.point, rod.slope.start + gauss.point);
+        for i in 0..2 {
+            let lever = p[self.lever + i];
+            gradient[radius] += lever * by_offset[i];
+            gradient[slope] += lever * by_slope[i];
+            gradient[self.lever + i] += p[radius] * by_offset[i] + p[slope] * by_slope[i];
+            gradient[routing + i] += by_offset[i];
+            gradient[routing + 2 + i] += by_slope[i];
+        }
+    }
 }
 
 /// Derivative of the path's tangent with respect to a strain component, at the offset `d = (y, z)`.

@@ -4,7 +4,7 @@
 use super::description::{Fibre, FibreDerivatives, symmetric};
 use super::jet::{Constant, Jet, MixedJet};
 use super::stretches::{Free, Hooped, Logarithmic};
-use super::wall::Wall;
+use super::wall::{Wall, Walls};
 use super::{FibreSection, FibreSections, Law, NUMBERS, Series, length_power, numbers, strains};
 use crate::forces::state::State;
 use crate::lie::LieGroup;
@@ -58,6 +58,8 @@ pub(crate) struct FibreSensitivity {
     sections: Vec<Vec<Wanted>>,
     /// Constants of one fibre, with derivatives.
     seeded: Vec<Constant>,
+    /// The fibres of a Gauss point.
+    walls: Walls,
 }
 
 /// The energy of a fibre, w.
@@ -116,9 +118,14 @@ impl FibreSections {
                     shear: series.stiffness(),
                     is_stiff: out.sections[r][*section_index].stiffness || given.iter().any(|k| *k != 0.0),
                 };
+                let mut walls = std::mem::take(&mut out.walls);
+                walls.clear();
                 for (m, n) in numbers(section, p) {
                     let fibre = self.materials[m].fibre(n, s);
-                    let wall = fibre.wall([strain[3], strain[1], strain[2]], length);
+                    walls.push(fibre.stretches([strain[3], strain[1], strain[2]], length), fibre.ratio);
+                }
+                for ((m, n), wall) in numbers(section, p).zip(walls.places()) {
+                    let fibre = self.materials[m].fibre(n, s);
                     let energy = self.energy(m, p, wall);
                     if out.materials[m] {
                         self.add_by_constants(m, p, wall, out);
@@ -131,6 +138,7 @@ impl FibreSections {
                         out.of_materials.push(of_material);
                     }
                 }
+                out.walls = walls;
                 out.points.push(point);
             }
         }

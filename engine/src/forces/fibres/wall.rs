@@ -37,6 +37,7 @@ pub(super) struct Walls {
     strains: Vec<[f64; 2]>,
     ratio: Vec<f64>,
     stretch: Vec<f64>,
+    hoop: Vec<f64>,
 }
 
 impl Walls {
@@ -60,6 +61,20 @@ impl Walls {
             stretch[i] = Wall::new(a, b, ratio[i]).stretch();
         }
         stretch
+    }
+
+    /// The places of all.
+    pub fn places(&mut self) -> impl Iterator<Item = Wall> {
+        let n = self.ratio.len();
+        self.hoop.resize(n, 0.0);
+        let (strains, ratio, hoop) = (&self.strains[..n], &self.ratio[..n], &mut self.hoop[..n]);
+        for i in 0..n {
+            let [a, b] = strains[i];
+            hoop[i] = Wall::new(a, b, ratio[i]).hoop;
+        }
+        let place =
+            |((&[a, b], &ratio), &mut hoop): ((&[f64; 2], &f64), &mut f64)| Wall { a, b, ratio, hoop };
+        strains.iter().zip(ratio).zip(hoop).map(place)
     }
 }
 
