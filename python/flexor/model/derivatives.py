@@ -186,13 +186,14 @@ def differentiate(
             slots,
             threads,
         )
-        # A design occurs once in each part.
         unsorted, first = np.argsort(order), 0
-        for each in owners:
+        for each in filter(len, owners):
             own = unsorted[first : first + len(each)]
             first += len(each)
-            by_slots[of[own], owner[own]] += slopes["by_parameters"][own]
-            by_loads[of[own], owner[own], at[own]] += slopes["by_loads"][own]
+            # A design occurs once in each part, and in most parts all do.
+            chosen = slice(None) if len(each) == n else of[own]
+            by_slots[chosen, each[0]] += slopes["by_parameters"][own]
+            by_loads[of[own], each[0], at[own]] += slopes["by_loads"][own]
         np.minimum.at(rank, (of, owner), _RANK[slopes["regularity"]])
     by_slots[rank == 0], by_loads[rank == 0] = np.nan, np.nan
     return Derivatives(by_slots, by_loads, np.array(_ORDER, dtype=object)[rank])
