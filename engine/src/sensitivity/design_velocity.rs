@@ -27,6 +27,9 @@ pub(super) struct DesignVelocity<const D: usize, const P: usize> {
     points: Vec<Vector<P>>,
     /// What the twist of each frame relative to the one before works as the columns that make it are carried along.
     carried: Vec<Vector<D>>,
+    /// What the strains at both points of each frame's Magnus step work as its own columns change; for the length and
+    /// the reference strain of a rod.
+    by_strain: Vec<[Vector<D>; 2]>,
 }
 
 /// The kind of a geometric parameter.
@@ -62,14 +65,9 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
         let mut push = |parameter: usize, kind| {
             if mask[parameter] {
                 let [twists, carried] = [(); 2].map(|()| vec![Vector::ZERO; frames]);
-                all.push(Self {
-                    parameter,
-                    kind,
-                    acts: true,
-                    twists,
-                    points: vec![Vector::ZERO; points],
-                    carried,
-                });
+                let points = vec![Vector::ZERO; points];
+                let by_strain = vec![[Vector::ZERO; 2]; frames];
+                all.push(Self { parameter, kind, acts: true, twists, points, carried, by_strain });
             }
         };
         for (r, rod) in model.rods.iter().enumerate() {
@@ -174,7 +172,18 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
             let acts = !frame.columns.is_empty() && forces.loaded[f];
             self.carried[f] =
                 if acts { G::ad(&carrier).transpose_times(&forces.wrench[f]) } else { Vector::ZERO };
+            if self.strains_columns() {
+                self.by_strain[f] = match frame.motion {
+                    Motion::Strain(step) if acts => own_columns(model, data, (f, step), kind),
+                    _ => [Vector::ZERO; 2],
+                };
+            }
         }
+    }
+
+    /// Whether the columns of a rod's frames themselves change.
+    fn strains_columns(&self) -> bool {
+        matches!(self.kind, Geometric::RodLength(_) | Geometric::RodReference(..))
     }
 
     /// Σ_i λ_i w̄_i·dS_i: the columns are carried by the frames before them, and on the rod whose length or
@@ -188,19 +197,13 @@ impl<const D: usize, const P: usize> DesignVelocity<D, P> {
         own: &[Vector<D>],
         blocks: &[Vector<LANES>],
     ) -> f64 {
-        let frames = &data.assembly.terms.frames;
         let mut work = self.carried.iter().zip(own).map(|(wrench, twist)| wrench.dot(twist)).sum();
-        if !matches!(self.kind, Geometric::RodLength(_) | Geometric::RodReference(..)) {
-            return work;
-        }
-        for (f, frame) in model.frames.iter().enumerate().skip(1) {
-            if frame.columns.is_empty() || !frames.loaded[f] {
-                continue;
-            }
-            let Motion::Strain(step) = frame.motion else { continue };
-            if let Some(change) = strain_change(model, data, step, self.kind) {
-                let by_length = matches!(self.kind, Geometric::RodLength(_));
-                work += own_column_work(model, data, blocks, (f, step), change, by_length);
+        if self.strains_columns() {
+            for (f, duals) in
+                self.by_strain.iter().enumerate().filter(|(_, duals)| **duals != [Vector::ZERO; 2])
+            {
+                let strain = strains(&model.tree, &data.design.geometry, f, blocks, Vector::ZERO);
+                work += duals[0].dot(&strain[0]) + duals[1].dot(&strain[1]);
             }
         }
         work
@@ -346,32 +349,31 @@ fn strain_change<G: LieGroup<D, P>, const D: usize, const P: usize>(
     }
 }
 
-/// The second derivatives of a step's exponential and of its Ω along (parameter, λ), given those of its strains.
-fn own_column_work<G: LieGroup<D, P>, const D: usize, const P: usize>(
+/// What virtual strains at both points of a step work by the second derivatives of its exponential and of its Ω, as a
+/// parameter changes.
+fn own_columns<G: LieGroup<D, P>, const D: usize, const P: usize>(
     model: &Model<G, D, P>,
     data: &Data<G, D, P>,
-    blocks: &[Vector<LANES>],
     (f, step): (usize, usize),
-    change: [Vector<D>; 2],
-    by_length: bool,
-) -> f64 {
+    kind: Geometric,
+) -> [Vector<D>; 2] {
+    let Some(change) = strain_change(model, data, step, kind) else { return [Vector::ZERO; 2] };
     let length = data.design.geometry.parameters[model.rods[model.steps[step].rod].length];
     let (omega, stumpff) = (&data.kinematics.omega[f], &data.kinematics.stumpff[f]);
     let (a1, a2, commutator) = data.kinematics.magnus_derivative(&model.tree, step);
-    let by_parameter = a1 * change[0] + a2 * change[1];
-    // Strains of the virtual motion, of which L scales the linear ones.
-    let strain = strains(&model.tree, &data.design.geometry, f, blocks, Vector::ZERO);
-    let scaled = strain.map(|strain| {
-        let mut change = Vector::ZERO;
-        for (axis, _) in G::AXES.iter().enumerate().filter(|(_, mode)| by_length && !mode.is_angular()) {
-            change[axis] = strain[axis] / length;
-        }
-        change
-    });
-    let virtual_omega = a1 * strain[0] + a2 * strain[1];
     let [body_wrench, on_omega] = data.assembly.duals[f];
     let curvature = G::tangent_curvature(omega, &body_wrench, stumpff);
-    let explicit = a1 * scaled[0] + a2 * scaled[1];
-    let bracket = (G::ad(&change[0]) * strain[1] + G::ad(&strain[0]) * change[1]) * commutator;
-    by_parameter.dot(&(curvature * virtual_omega)) + on_omega.dot(&(explicit + bracket))
+    let curved = curvature.transpose_times(&(a1 * change[0] + a2 * change[1]));
+    // κ ω̄·[δξ₁, ξ₂] and κ ω̄·[ξ₁, δξ₂], by ξ₂ and by ξ₁.
+    let by_second = G::ad(&change[0]).transpose_times(&on_omega) * commutator;
+    let by_first = G::ad(&change[1]).transpose_times(&on_omega) * -commutator;
+    [(a1, by_first), (a2, by_second)].map(|(a, bracket)| {
+        let mut explicit = a.transpose_times(&on_omega);
+        for (axis, mode) in G::AXES.into_iter().enumerate() {
+            // L scales the linear strains of the virtual motion.
+            let scaled = matches!(kind, Geometric::RodLength(_)) && !mode.is_angular();
+            explicit[axis] = if scaled { explicit[axis] / length } else { 0.0 };
+        }
+        a.transpose_times(&curved) + explicit + bracket
+    })
 }

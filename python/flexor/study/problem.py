@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 # Derivatives by the engine's parameters, which may be many, that are held at a time.
-_HELD = 2_000_000
+_HELD = 1_000_000
 
 
 @dataclass(frozen=True, eq=False)
