@@ -48,6 +48,8 @@ def test_forms_of_the_command_line(model: Any, given: Any, same: Any) -> None:
         ({"start": [object()]}, "start must be numbers"),
         ({"bounds": {"L": ("7 kg", "1 m")}}, 'bounds has L = "7 kg"'),
         ({"bounds": {"L": 7}}, "expected a lower and an upper bound"),
+        ({"bounds": {"L": (0.07, 10**400)}}, "bounds has L: a number is too large"),
+        ({"bounds": [("7 cm", "12 cm")]}, 'must be a mapping of parameters to pairs, such as {"L"'),
         ({"bounds": {"L": (None, 1)}}, "bounds has L = None"),
         ({"parameters": []}, "parameter set is []"),
         ({"seed": -1}, "seed is -1: it must be at least 0."),

@@ -99,3 +99,41 @@ input = true
     assert path.stability[-1] == "neutral"
     assert [event.kind for event in path.events] == ["snap"]
     assert path.events[0].force == pytest.approx(-3.0, rel=2e-3)
+
+
+RING = """
+name = "ring"
+planar = true
+[bodies.rod]
+kind = "rod"
+length = "314.159265358979 mm"
+radius = "1 mm"
+young_modulus = "10 MPa"
+poisson_ratio = 0.45
+joint = { kind = "prismatic", axis = "x" }
+reference_strain = { bend_y = "20 1/m" }
+strain = { bend_y = "nodal_quadratic", extend_x = "nodal_quadratic", shear_z = "nodal_quadratic" }
+elements = 16
+gauss_points = 3
+[springs.a]
+first = { body = "rod", at = "tip" }
+second = { body = "rod", at = "base" }
+stiffness = "100 N/m"
+[springs.b]
+first = { body = "rod", at = "tip", offset = { z = "20 mm" } }
+second = { body = "rod", at = "base", offset = { z = "20 mm" } }
+stiffness = "100 N/m"
+[wrenches.p]
+body = "rod"
+at = 0.5
+force = { z = "1 N" }
+input = true
+"""
+
+
+@pytest.mark.parametrize("loads", [[0.0, 0.5], [0.0, 0.25, 0.5], [0.5]])
+def test_a_slide_that_the_load_does_not_drive_stays(loads: list[float]) -> None:
+    """Also where the rest of the structure is so soft that the end of the branch is looked for."""
+    path = Model(parse(RING)).equilibrium(loads)
+    assert path.converged.all()
+    np.testing.assert_allclose(path.q[:, 0], 0.0, atol=1e-9)

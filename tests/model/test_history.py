@@ -286,3 +286,38 @@ def test_the_figure_of_a_loop_has_both_ways_and_dashes(truss: Model) -> None:
     assert {"-", "--"} <= styles
     rising = plot.path(truss.equilibrium([0.0, 0.1], start={"node": "20 mm"}))
     assert len(rising.axes) == 1
+
+
+LIMITED = """
+name = "limited"
+planar = true
+[bodies.finger]
+kind = "link"
+length = "40 mm"
+radius = "10 mm"
+joint = { kind = "revolute", lower = "0 deg", upper = "90 deg" }
+[wrenches.motor]
+body = "finger"
+at = "base"
+moment = { y = "1 N*m" }
+input = true
+"""
+
+
+@pytest.mark.parametrize("angle", [-170, -20, -1, 100, 120])
+def test_a_start_beyond_a_limit_returns_to_it(angle: float) -> None:
+    """At a limit of zero nothing acts any more, not even rounding."""
+    path = Model(parse(LIMITED)).equilibrium([0.0, 1.0], start={"finger": f"{angle} deg"})
+    assert path.converged.all()
+    limit = 0.0 if angle < 0 else np.pi / 2
+    assert path.joint_angles[0, 0] == pytest.approx(limit, abs=1e-9)
+
+
+def test_a_start_of_huge_numbers_is_refused(truss: Model, tmp_path: Path) -> None:
+    file = tmp_path / "start.json"
+    found = {"coordinates": truss.engine.coordinates, "converged": [True], "force": [0]}
+    file.write_text(json.dumps(found | {"q": [[10**400]]}))
+    with pytest.raises(InputError, match="it contains no equilibrium"):
+        truss.equilibrium([0.0], start=file)
+    with pytest.raises(InputError, match="must be a finite number"):
+        truss.equilibrium([0.0], start={"node": 10**400})

@@ -74,6 +74,7 @@ def test_bad_pressures(pressure: object, message: str) -> None:
     assert str(raised.value) == message
 
 
+STEP = "the step must be greater than zero, also where the load falls."
 NEWTON = 'write a force with its unit, such as "5 N"'
 
 
@@ -91,8 +92,8 @@ NEWTON = 'write a force with its unit, such as "5 N"'
         ([True], "force[0] is true: expected a force in N."),
         ("", f'force is "", which is not a force: {NEWTON}.'),
         ("five", f'force is "five", which is not a force: {NEWTON}.'),
-        ("0:5:0", 'force is "0:5:0": the step must be greater than zero.'),
-        ("0:5:-1", 'force is "0:5:-1": the step must be greater than zero.'),
+        ("0:5:0", f'force is "0:5:0": {STEP}'),
+        ("0:5:-1", f'force is "0:5:-1": {STEP}'),
         ("0:5:x", 'force is "0:5:x": write start:stop:step in N, such as 0:5:1.'),
         ("0:nan:1", 'force is "0:nan:1": write start:stop:step in N, such as 0:5:1.'),
         ("0:5:1:2", 'force is "0:5:1:2": write start:stop:step in N, such as 0:5:1.'),

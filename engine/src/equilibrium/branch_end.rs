@@ -26,6 +26,11 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let direction = self.velocity[0].clone();
         let mut bordered = Bordered::new(n, self.rate.len(), 1);
         bordered.set_base_load(&self.start_load);
+        if !self.system.data().design.units.all_elastic() {
+            // What is free must not slide to the planes in place of the rest.
+            self.restore_at(&self.start.clone(), from);
+            bordered.pin(self.system.pinned());
+        }
         let target = BorderedTarget {
             tolerance: self.options.tolerance.max(options.residual),
             small_step: self.options.arc_length.small_step,

@@ -630,7 +630,11 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             let rounding = ROUNDING_FACTOR * f64::EPSILON * (terms + force + self.magnitudes.positions[i]);
             let shared = if self.has_ties() { self.shared_unit(i) } else { 0.0 };
             let unit = force.max(units.elastic_force(i)).max(shared);
-            let allowed = tolerance * unit + rounding;
+            // A force that nothing opposes, as that of a limit which a joint returns to, has to vanish with the
+            // distance: there it is negligible.
+            let alone = g.abs() >= force && shared == 0.0;
+            let reach = if alone { ROUNDING_FACTOR * f64::EPSILON * units.natural[i] } else { 0.0 };
+            let allowed = tolerance * unit + rounding + reach * tangent[i * n + i].abs();
             if *g == 0.0 {
                 continue;
             }

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from flexor.errors import InputError, unknown
+from flexor.model.validation import describe
 
 if TYPE_CHECKING:
     from flexor.design import ParameterSet
@@ -39,6 +40,11 @@ def bounds_in_si(
 ) -> dict[str, tuple[float, float]]:
     """Convert bounds by label, numbers in SI units or texts such as ``"6 cm"``."""
     converted = {}
+    if not isinstance(bounds, Mapping):
+        raise InputError(
+            f"bounds is {describe(bounds)}: it must be a mapping of parameters to pairs, such as "
+            f'{{"{chosen.labels[0]}": (lower, upper)}}.'
+        )
     for label, pair in bounds.items():
         if label not in chosen.labels:
             raise unknown(f"parameter of {chosen.name}", label, chosen.labels)
@@ -54,7 +60,10 @@ def bounds_in_si(
 
 def _number(value: object, label: str) -> float:
     if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:
+            raise InputError(f"bounds has {label}: a number is too large.") from None
     raise InputError(f"bounds has {label} = {value!r}: expected a number or a text with its unit.")
 
 

@@ -173,7 +173,9 @@ def _steps(parts: list[str], text: str, path: str, dimension: Dimension) -> list
         raise InputError(f'{path} is "{text}": {tail}.')
     start, stop, step = finite
     if step <= 0:
-        raise InputError(f'{path} is "{text}": the step must be greater than zero.')
+        raise InputError(
+            f'{path} is "{text}": the step must be greater than zero, also where the load falls.'
+        )
     steps = abs(stop - start) / step
     if steps >= _MAX_STEPS:
         raise InputError(f'{path} is "{text}": a path has at most {_MAX_STEPS:,} steps.')

@@ -123,9 +123,13 @@ def _flat(given: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
 
 def _value(value: Any, unit: str, path: str) -> float:
     if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
-        if not math.isfinite(value):
-            raise InputError(f"{path} is {float(value)!r}: it must be a finite number.")
-        return float(value)
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number):
+            raise InputError(f"{path} is {number!r}: it must be a finite number.")
+        return number
     dimensions: dict[str, Dimension] = {"rad": ANGLE, "m": LENGTH}
     if unit in dimensions:
         try:
@@ -167,7 +171,7 @@ def _from_file(file: FilePath, model: Structure) -> Start:
         q = np.array(found["q"][step], dtype=np.float64)
         points = found["friction"][step] if model.frictions and "friction" in found else []
         friction = read(points) if points else None
-    except (ValueError, TypeError, KeyError, IndexError):
+    except (ValueError, TypeError, KeyError, IndexError, OverflowError):
         raise InputError(f'start is "{file}": it contains no equilibrium.') from None
     start = _checked(q, load, model, f'start is "{file}", which')
     return replace(start, friction=friction)
