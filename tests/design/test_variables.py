@@ -14,6 +14,7 @@ from flexor.design import variables
 from flexor.errors import InputError
 from flexor.model import Model
 from flexor.model.reading import check
+from flexor.study import Problem
 
 
 @pytest.fixture(scope="module")
@@ -180,3 +181,10 @@ def test_what_changes_the_structure_or_nothing_is_refused(model: Model) -> None:
         with pytest.raises(InputError, match=message):
             chosen = variables(bounds, model)
             chosen.designs(chosen.start[None, :], model)
+
+
+def test_bounds_that_nothing_can_be_computed_with_are_refused() -> None:
+    fields = {"exosuit.length": ("8 cm", "1e50 m")}
+    problem = Problem.of("pneumatic-finger", fields, "maximise bending")
+    with pytest.raises(InputError, match="a number is too large or too small to compute with"):
+        problem.evaluate(problem.parameters.start[None])

@@ -52,6 +52,8 @@ def test_forms_of_the_command_line(model: Any, given: Any, same: Any) -> None:
         ({"bounds": [("7 cm", "12 cm")]}, 'must be a mapping of parameters to pairs, such as {"L"'),
         ({"bounds": {"L": (None, 1)}}, "bounds has L = None"),
         ({"parameters": []}, "parameter set is []"),
+        ({"folder": 3}, "folder is 3: it must be a path."),
+        ({"method_options": [1]}, "method_options is a list: it must be a mapping of options"),
         ({"seed": -1}, "seed is -1: it must be at least 0."),
         ({"seed": 1.5}, "seed is 1.5: it must be an integer of at least 0."),
         ({"budget": "x"}, 'budget is "x": it must be an integer of at least 1.'),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -80,6 +81,13 @@ def test_gradients_of_aggregates_are_those_of_differences(model: Model, aggregat
         shift[i] = step[i]
         values = made.evaluate(np.stack([DESIGNS[0] + shift, DESIGNS[0] - shift])).value
         assert exact[i] == pytest.approx((values[0] - values[1]) / (2.0 * step[i]), rel=1e-5)
+
+
+@pytest.mark.parametrize("words", [{"scenarios": {"long": 1.0}}, {"tolerance": TOLERANCE}])
+def test_aggregates_need_no_constraints(model: Model, words: dict[str, Any]) -> None:
+    study = flexor.optimize(model, VARIED, AIM, without=["defaults"], budget=12, **words)
+    assert study.problem.constraints == ()
+    assert study.best.feasible and study.best.shown >= study.start.shown
 
 
 def test_an_error_of_another_field_is_that_of_the_file(model: Model) -> None:

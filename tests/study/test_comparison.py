@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from flexor import plot
+from flexor.constraints import INFEASIBLE
 from flexor.errors import InputError
 from flexor.objectives import objective
 from flexor.optimizers import (
@@ -210,8 +212,6 @@ def test_targets_are_parts_of_the_best_gain(made: MethodComparison) -> None:
     assert made.target("A", 0.2) == pytest.approx(2.0)
     # The start of B fails: gains count from the worst value that a search began from.
     assert made.target("B") == pytest.approx(3.0 - 0.99 * (3.0 - 2.0))
-    from dataclasses import replace
-
     assert replace(made, known={"A": -10.0}).target("A") == pytest.approx(-9.8)
     # A start that is as good as anything: only the best counts, and no more than it.
     assert replace(made, reference={"A": 0.0, "B": 1.0}).target("A") == 0.0
@@ -232,6 +232,11 @@ def test_summaries_are_what_one_counts_by_hand(made: MethodComparison) -> None:
     table = made.table()
     assert table["to_target"].tolist() == [40, np.inf, 20, 30, 6, np.inf, np.inf, np.inf]
     assert table["start"].tolist() == [9, 9, 9, 9, 3, np.inf, 3, 2.5]
+    run = made.runs[0]
+    worse = replace(run.result, improvement_values=np.array([1.5 * INFEASIBLE, 1.0]), value=1.0)
+    table = replace(made, runs=(replace(run, result=worse), *made.runs[1:])).table()
+    assert np.isnan(table["start"][0]) and table["start_excess"][0] == pytest.approx(0.5)
+    assert (table["value"][0], table["excess"][0]) == (1.0, 0.0)
     with pytest.raises(InputError, match='unknown method of the comparison "tow"'):
         made.summary("A", "tow")
 

@@ -48,7 +48,10 @@ def print_tolerances(design: Design) -> None:
     heading = f"{of_model(design.problem)}{unit}"
     show((heading, "if less", "as drawn", "if more"), rows)
     if found.worst is not None:
-        say(f"An error of {found.steps[found.worst]} in {labels[found.worst]} matters most.")
+        # Tolerances may be of fields that do not vary; what they do is in the margins.
+        others = any(each.partition(" ±")[0] not in labels for each in found.tolerances)
+        among = "Of the variables, an error" if others else "An error"
+        say(f"{among} of {found.steps[found.worst]} in {labels[found.worst]} matters most.")
     unstated = [
         label
         for label, stated, out in zip(labels, found.stated, found.broken, strict=True)

@@ -145,6 +145,13 @@ def ranks(value: Array, broken: Array) -> Array:
     return np.where(infeasible, INFEASIBLE * (1.0 + broken), value)
 
 
+def feasible_parts(ranked: Array) -> tuple[Array, Array]:
+    """Return values (n,), NaN of infeasible designs, and their violations from their `ranks`."""
+    infeasible = np.isfinite(ranked) & (ranked >= INFEASIBLE)
+    violations = np.where(infeasible, ranked / INFEASIBLE - 1.0, 0.0)
+    return np.where(infeasible, np.nan, ranked), violations
+
+
 def violation(excess: Array) -> Array:
     """Return the sum of what n designs exceed their constraints by, (n,); 0 if feasible."""
     total = np.zeros(len(excess))

@@ -193,7 +193,10 @@ def _engine_of(file: ModelFile, model: Structure) -> _engine.Model:
 
     ValueError if there is no such model, InputError if the file says so.
     """
-    described = lower(file)
+    try:
+        described = lower(file)
+    except ArithmeticError:
+        raise ValueError("a number is too large or too small to compute with") from None
     _keep(described, model.description, file)
     return _engine.Model(json.dumps(described))
 

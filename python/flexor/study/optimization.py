@@ -187,6 +187,13 @@ def optimize(
         problem = ScenarioProblem.over(problem, stated, integer("seed", seed, 0))
     if method is None:
         method = _default_method(problem.objective)
+    if not isinstance(method_options, Mapping | None):
+        raise InputError(
+            f"method_options is {describe(method_options)}: it must be a mapping of options to "
+            "values."
+        )
+    if not isinstance(folder, str | PathLike | None):
+        raise InputError(f"folder is {describe(folder)}: it must be a path.")
     if isinstance(method, str):
         search = named_method(method, **(method_options or {}))
     elif method_options:

@@ -305,10 +305,12 @@ class ScenarioProblem(Problem):
                         np.where(shares[:, i, None] > 0.0, slopes[:, i], 0.0) * shares[:, i, None]
                     )
             kept_slopes = [
-                paths.constraint_gradients[..., : self.parameters.size].reshape(n, e, c, -1)
+                paths.constraint_gradients[..., : self.parameters.size].reshape(n, e * c, -1)
+                if c
+                else np.zeros((n, 0, self.parameters.size))
                 for paths in found
             ]
-            bounded = np.stack(kept_slopes, axis=1).reshape(n, -1, self.parameters.size)
+            bounded = np.concatenate(kept_slopes, axis=1)
             every = replace(every, value_gradient=total, constraint_gradients=bounded)
         return every
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexor.constraints import INFEASIBLE
+from flexor.constraints import INFEASIBLE, feasible_parts
 from flexor.errors import unknown
 from flexor.objectives import Objective
 from flexor.optimizers import SearchResult
@@ -142,17 +142,24 @@ class MethodComparison:
         -------
         dict of (n,) arrays
             ``parameters``, ``method``, ``seed``, ``start`` and ``value`` (where it began and
-            ended), ``evaluations``, ``to_target`` (+inf if not reached), ``seconds``, ``reason``.
+            ended; NaN if that is infeasible), ``start_excess`` and ``excess`` (by how much it is),
+            ``evaluations``, ``to_target`` (+inf if not reached), ``seconds``, ``reason``.
         """
         targets = {name: self.target(name, within) for name in self.sets}
-        firsts = [run.result.improvement_values[:1] for run in self.runs]
         results = [run.result for run in self.runs]
+        starts = [[*result.improvement_values[:1], np.inf][0] for result in results]
+        (start, start_excess), (value, excess) = (
+            feasible_parts(np.array(ranked, dtype=float))
+            for ranked in (starts, [result.value for result in results])
+        )
         columns: dict[str, list[Any]] = {
             "parameters": [run.parameters for run in self.runs],
             "method": [run.method for run in self.runs],
             "seed": [run.seed for run in self.runs],
-            "start": [float(first[0]) if first.size else np.inf for first in firsts],
-            "value": [result.value for result in results],
+            "start": start.tolist(),
+            "start_excess": start_excess.tolist(),
+            "value": value.tolist(),
+            "excess": excess.tolist(),
             "evaluations": [result.evaluations for result in results],
             "to_target": [run.evaluations_to(targets[run.parameters]) for run in self.runs],
             "seconds": [run.seconds for run in self.runs],
