@@ -99,9 +99,5 @@ class Terms:
     @cached_property
     def _products(self) -> list[tuple[int, NDArray[np.intp], NDArray[np.intp]]]:
         """The terms that have a factor of each variable, in the order of these, and its degree."""
-        first = self.order[0] if self.order else None
-        chosen = [
-            (each, np.flatnonzero((self.powers[:, each] > 0) | (each == first)))
-            for each in self.order
-        ]
+        chosen = [(each, np.flatnonzero(self.powers[:, each])) for each in self.order]
         return [(each, rows, self.powers[rows, each]) for each, rows in chosen if len(rows)]

@@ -147,7 +147,7 @@ class MethodComparison:
         """
         targets = {name: self.target(name, within) for name in self.sets}
         results = [run.result for run in self.runs]
-        starts = [[*result.improvement_values[:1], np.inf][0] for result in results]
+        starts = [next(iter(result.improvement_values), np.inf) for result in results]
         (start, start_excess), (value, excess) = (
             feasible_parts(np.array(ranked, dtype=float))
             for ranked in (starts, [result.value for result in results])
