@@ -16,11 +16,11 @@ pub(crate) const DRIFT_EIGENVALUE: f64 = 1e-6;
 /// Imaginary parts of eigenvalues below this fraction of the matrix's norm count as zero: rounding splits
 /// equal real eigenvalues into complex pairs.
 pub(crate) const REAL_EIGENVALUE: f64 = 1e-6;
-/// Ratio of pivots above which a tangent is positive definite beyond doubt.
-pub(crate) const REGULAR_PIVOTS: f64 = 1e-7;
-/// Ratio of pivots below which a structure may lose its stability over the last step of a corrector.
-pub(crate) const SOFT_PIVOTS: f64 = 1e-3;
-/// Ratio of pivots below which a tangent counts as singular for derivatives.
+/// Largest dimensionless stiffness of a neutral motion in units of the residual.
+pub(crate) const OF_RESIDUAL: f64 = 10.0;
+/// How much dimensionless eigenvalues of the tangent may change per displacement of the largest coordinate.
+pub(crate) const TANGENT_RATE: f64 = 10.0;
+/// Ratio of pivots below which a matrix that is not symmetric counts as singular for derivatives.
 pub(crate) const SINGULAR_PIVOTS: f64 = 1e-9;
 
 /// Stiffness of an angle, relative to the stiffest angle of its component, below which it is not elastic.

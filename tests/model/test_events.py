@@ -77,10 +77,31 @@ def kinds(path: Path) -> list[str]:
 @pytest.mark.parametrize("flag", ["", FLAG])
 @pytest.mark.parametrize("steps", [2, 61, 241, 601])
 def test_a_buckled_column_that_turns_about_its_axis_has_no_event(flag: str, steps: int) -> None:
-    path = Model(parse(COLUMN + flag)).equilibrium(np.linspace(0.0, 3.0 * EULER, steps))
+    loads = np.linspace(0.0, 3.0 * EULER, steps)
+    path = Model(parse(COLUMN + flag)).equilibrium(loads)
     assert path.converged.all()
     assert kinds(path) == ["bifurcation"]
     assert path.events[0].force == pytest.approx(EULER, rel=1e-3)
+    buckled = loads > EULER
+    assert (path.stability == np.where(buckled, "neutral", "stable")).all()
+
+
+@pytest.mark.parametrize("steps", [3, 20, 100])
+def test_a_column_that_buckles_under_its_weight_turns_about_its_axis(steps: int) -> None:
+    def model(young_modulus: float) -> Model:
+        gravity = 'name = "column"\ngravity = { x = "-9.81 m/s^2" }\n'
+        column = COLUMN.replace('name = "column"\n', gravity)
+        rod = f'density = "1100 kg/m^3"\nyoung_modulus = "{young_modulus} Pa"'
+        return Model(parse(column.replace('young_modulus = "1 MPa"', rod)))
+
+    # Greenhill: the weight per length is 7.8373 EI / L^3.
+    weight, length = 1100.0 * 9.81 * np.pi * 0.005**2, 0.1
+    critical = weight * length**3 / (7.8373 * np.pi / 4 * 0.005**4)
+    loads = np.linspace(0.0, 1e-4, steps)
+    assert (model(1.02 * critical).equilibrium(loads[:1]).stability == "stable").all()
+    path = model(0.9 * critical).equilibrium(loads)
+    assert kinds(path) == []
+    assert (path.stability == "neutral").all()
 
 
 @pytest.mark.parametrize("steps", [2, 101])

@@ -186,7 +186,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
     fn close_exactly(&mut self, size: f64, tangent_reuse: f64) -> bool {
         let start = self.system.state().to_vec();
         let residual = self.options.tolerance;
-        let accuracy = CorrectorTolerance { residual, tangent_reuse, least_pivots: 0.0 };
+        let accuracy = CorrectorTolerance { residual, tangent_reuse, stable: false };
         let closed = self.corrector.iterate(&mut self.system, size, self.options.closing.reach, accuracy);
         if !closed {
             self.system.set_state(&start);

@@ -21,7 +21,7 @@ use super::vector::max_norm;
 use crate::lie::LieGroup;
 use crate::model::Model;
 use crate::results::PathFriction;
-use crate::tolerances::{PARALLEL, SOFT_PIVOTS, ZERO_EIGENVALUE};
+use crate::tolerances::{PARALLEL, ZERO_EIGENVALUE};
 
 /// Finds and follows equilibria; owns all memory it needs.
 #[derive(Clone, Debug)]
@@ -417,10 +417,10 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
         if lambda == 1.0 {
             let tolerance = self.options.tolerance;
             let tangent_reuse = if self.is_sprung() { 0.0 } else { step.tangent_reuse };
-            return CorrectorTolerance { residual: tolerance, tangent_reuse, least_pivots: SOFT_PIVOTS };
+            return CorrectorTolerance { residual: tolerance, tangent_reuse, stable: true };
         }
         let tangent_reuse = if self.is_sprung() { 0.0 } else { self.options.accuracy.tangent_reuse };
-        CorrectorTolerance { residual: self.residual_between(h), tangent_reuse, least_pivots: 0.0 }
+        CorrectorTolerance { residual: self.residual_between(h), tangent_reuse, stable: false }
     }
 
     /// The largest residual allowed after a sub-step of `h` that ends between the listed loads.

@@ -19,8 +19,9 @@ pub(super) struct CorrectorTolerance {
     /// The tangent of the last step is reused for the final state if that step reduced the residual to less
     /// than this fraction and no contact changed.
     pub tangent_reuse: f64,
-    /// It is reused only if its ratio of pivots is larger: a soft structure may have become unstable.
-    pub least_pivots: f64,
+    /// Whether it is reused only if it shows that the final state is stable: a soft structure may have become
+    /// unstable.
+    pub stable: bool,
 }
 
 /// Newton's method with full steps; fails where it seems to converge to another branch.
@@ -150,10 +151,9 @@ impl<const D: usize, const P: usize> Corrector<D, P> {
             }
             let left =
                 chord_steps(system, &self.newton, &mut self.step, &mut size, before, tolerance.residual);
-            let reusable = left < tolerance.tangent_reuse
-                && system.pivot_ratio() > tolerance.least_pivots
-                && system.is_near_tangent();
-            if reusable && system.has_converged(size, tolerance.residual) {
+            let reusable = left < tolerance.tangent_reuse && system.is_near_tangent();
+            let converged = reusable && system.has_converged(size, tolerance.residual);
+            if converged && (!tolerance.stable || system.shows_stability()) {
                 return true;
             }
         }

@@ -13,12 +13,12 @@ use crate::model::Model;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Factor<const D: usize> {
     cholesky: Cholesky,
-    /// λ.
-    shift: f64,
     /// For a tangent in chain form, if the model has a long chain.
     chain: Option<ChainCholesky<D>>,
     /// Whether that was used last.
     chained: bool,
+    /// For matrices that are only tested.
+    tested: (Cholesky, Option<ChainCholesky<D>>),
     /// For loads without a potential, whose tangent is not symmetric.
     general: Option<GeneralFactor>,
     /// For the tangent of a step in which friction is renewed, which is not symmetric either.
@@ -44,7 +44,7 @@ impl<const D: usize> Factor<D> {
         let chain = model.chain.as_ref().map(|c| ChainCholesky::new(&c.order, &c.starts));
         Self {
             cholesky: Cholesky::new(n),
-            shift: 0.0,
+            tested: (Cholesky::new(n), chain.clone()),
             chain,
             chained: false,
             general,
@@ -90,7 +90,6 @@ impl<const D: usize> Factor<D> {
     /// without a potential, when the determinant of `S A S` is not positive.
     pub fn factorise<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>, shift: f64) -> bool {
         self.is_semidefinite = false;
-        self.shift = shift;
         if let Some(projected) = self.projected.as_deref().filter(|_| self.is_projected) {
             self.chained = false;
             return match &mut self.general {
@@ -108,6 +107,21 @@ impl<const D: usize> Factor<D> {
             (Some(chain), Some(matrix)) => chain.factorise(matrix, shift),
             _ => self.cholesky.factorise(tangent, scale, shift),
         }
+    }
+
+    /// Whether all eigenvalues of the current tangent, which has a potential, exceed `slack`; its factor is kept.
+    pub fn exceeds<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>, slack: f64) -> bool {
+        if self.is_semidefinite {
+            return false;
+        }
+        let swap = |factor: &mut Self| {
+            std::mem::swap(&mut factor.cholesky, &mut factor.tested.0);
+            std::mem::swap(&mut factor.chain, &mut factor.tested.1);
+        };
+        swap(self);
+        let definite = self.factorise(data, -slack);
+        swap(self);
+        definite
     }
 
     /// Factorises the current tangent as one that is not symmetric; whether its determinant is positive or, to
@@ -128,11 +142,6 @@ impl<const D: usize> Factor<D> {
             Some(projected) => projected.solve(b, |b| renewed.solve(b)),
             None => renewed.solve(b),
         }
-    }
-
-    /// λ of the current factor.
-    pub fn shift(&self) -> f64 {
-        self.shift
     }
 
     /// The coordinate whose pivot vanished, to rounding, in the last factorisation.
@@ -264,7 +273,7 @@ impl<const D: usize> Factor<D> {
     }
 
     fn solve_matrix_transposed(&self, b: &mut [f64]) {
-        match self.renewed.as_ref().filter(|_| self.adjoints_renewed).or(self.general.as_ref()) {
+        match self.unsymmetric() {
             None => self.solve_matrix(b),
             Some(general) => general.solve_transposed(b),
         }
@@ -281,16 +290,15 @@ impl<const D: usize> Factor<D> {
         }
     }
 
-    /// Ratio of the smallest to the largest pivot.
-    pub fn pivot_ratio(&self) -> f64 {
-        if self.is_singular() {
-            return 0.0;
-        }
-        match (&self.general, self.chain()) {
-            (Some(general), _) => general.pivot_ratio(),
-            (None, Some(chain)) => chain.pivot_ratio(),
-            (None, None) => self.cholesky.pivot_ratio(),
-        }
+    /// Ratio of the smallest to the largest pivot of the matrix of adjoints, if that is not symmetric.
+    pub fn pivot_ratio(&self) -> Option<f64> {
+        let matrix = self.unsymmetric()?;
+        Some(if matrix.is_singular() { 0.0 } else { matrix.pivot_ratio() })
+    }
+
+    /// The matrix of adjoints, if it is not symmetric.
+    fn unsymmetric(&self) -> Option<&GeneralFactor> {
+        self.renewed.as_ref().filter(|_| self.adjoints_renewed).or(self.general.as_ref())
     }
 }
 

@@ -16,15 +16,13 @@ use super::system::System;
 use super::vector::{dot, max_norm, norm};
 use crate::lie::LieGroup;
 use crate::linalg::Cholesky;
-use crate::tolerances::{DRIFT_EIGENVALUE, ZERO_EIGENVALUE};
+use crate::tolerances::{DRIFT_EIGENVALUE, OF_RESIDUAL, ZERO_EIGENVALUE};
 use nalgebra::{DMatrix, DVector};
 
 /// Largest number of neutral motions that are looked for: those of a free rigid body.
 const MOST: usize = 6;
 /// Inverse iterations for the direction of one.
 const ITERATIONS: usize = 4;
-/// Largest stiffness of a neutral motion in units of the residual.
-const OF_RESIDUAL: f64 = 10.0;
 /// Largest part of a change of load that may act along a neutral motion.
 const LOADED: f64 = 1e-4;
 /// Largest part of a change of load along a motion without stiffness that does not drive it.

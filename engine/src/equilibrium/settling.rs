@@ -131,7 +131,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'_, G, D, P
         let tolerance = CorrectorTolerance {
             residual: self.options.tolerance,
             tangent_reuse: step.tangent_reuse,
-            least_pivots: 0.0,
+            stable: true,
         };
         self.start.copy_from_slice(self.system.state());
         let reach = self.options.max_displacement_with_contact;

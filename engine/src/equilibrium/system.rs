@@ -8,7 +8,7 @@ use super::options::ContinuationOptions;
 use super::projection::Projection;
 use super::stability::Stability;
 use super::sweep::Sweep;
-use super::vector::dot;
+use super::vector::{dot, max_norm};
 use crate::Data;
 use crate::forces::element::Velocities;
 use crate::forces::magnitudes::Magnitudes;
@@ -17,8 +17,8 @@ use crate::friction::RenewalWork;
 use crate::lie::LieGroup;
 use crate::model::Model;
 use crate::tolerances::{
-    DRIFT_EIGENVALUE, MAX_DISPLACEMENT, MAX_ROTATION, MAX_ROUNDING, REGULAR_PIVOTS, ROUNDING_FACTOR,
-    ZERO_EIGENVALUE,
+    DRIFT_EIGENVALUE, MAX_DISPLACEMENT, MAX_ROTATION, MAX_ROUNDING, OF_RESIDUAL, ROUNDING_FACTOR,
+    SINGULAR_PIVOTS, TANGENT_RATE, ZERO_EIGENVALUE,
 };
 use crate::tree::Shape;
 
@@ -44,6 +44,10 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     accuracy: Accuracy,
     /// Number of contacts and slack springs that act where the tangent was evaluated.
     switched_on: usize,
+    /// The state where the tangent was evaluated.
+    tangent_state: Vec<f64>,
+    /// Whether the tangent shows that states near there are stable.
+    surely_stable: bool,
     /// Coordinates whose diagonal entry of the current tangent is zero to rounding.
     loose: Vec<usize>,
     /// Whether forces balance only up to rounding that is a large fraction of them.
@@ -105,6 +109,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             magnitudes: Magnitudes::default(),
             accuracy: Accuracy { residual: f64::NAN, tolerance: f64::NAN },
             switched_on: 0,
+            tangent_state: vec![0.0; n],
+            surely_stable: false,
             loose: vec![],
             lost_in_rounding: false,
             diverged: vec![],
@@ -150,7 +156,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         let finite = self.evaluate().is_finite();
         self.evaluate_tangent();
         self.complete_columns();
-        finite && (self.factorise(0.0) || !self.is_conservative())
+        let factorised = self.factorise_neutral();
+        finite && (factorised || !self.is_conservative())
     }
 
     pub(crate) fn set_parameters(&mut self, parameters: &[f64]) {
@@ -439,6 +446,8 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         }
         self.data.evaluate_near_tangent(self.model, &self.q, &self.load);
         self.budget.count();
+        self.tangent_state.copy_from_slice(&self.q);
+        self.surely_stable = false;
         self.switched_on = self.data.switched_on(self.model, &self.q, &self.load);
         self.loose.clear();
         if self.is_projected() {
@@ -460,6 +469,24 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// Whether as many of them act in the state evaluated last.
     pub(super) fn is_near_tangent(&self) -> bool {
         self.data.switched_on(self.model, &self.q, &self.load) == self.switched_on
+    }
+
+    /// Whether the current tangent, which is factorised, is so stiff that the state evaluated last, near its own, is
+    /// stable, too.
+    pub(super) fn shows_stability(&mut self) -> bool {
+        if self.is_conservative() {
+            let moved = self.q.iter().zip(&self.tangent_state).zip(&self.unit);
+            let distance = moved.fold(0.0f64, |m, ((q, t), unit)| m.max(((q - t) / unit).abs()));
+            let slack = TANGENT_RATE * distance + self.negligible_stiffness();
+            self.surely_stable = self.factor.exceeds(&self.data, slack);
+        }
+        self.surely_stable || !self.is_conservative()
+    }
+
+    /// Stiffness that counts as zero: that of a motion along which the energy is constant is of the size of the
+    /// residual.
+    fn negligible_stiffness(&self) -> f64 {
+        ZERO_EIGENVALUE + OF_RESIDUAL * max_norm(&self.residual)
     }
 
     /// Finds the coordinates whose stiffness is zero to the rounding of its terms.
@@ -490,6 +517,11 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.complete_tangent(self.model);
         let first = if loose { &self.loose[..] } else { null.as_slice() };
         self.factor.factorise_semidefinite(&self.data, first, &self.magnitudes.stiffness)
+    }
+
+    /// The same where stiffness that is negligible may be negative, too.
+    fn factorise_neutral(&mut self) -> bool {
+        self.factorise(0.0) || self.factorise(self.negligible_stiffness())
     }
 
     /// Whether the current factor has free motions.
@@ -572,20 +604,24 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         found == Stability::Neutral
     }
 
-    /// Static stability of the current tangent; its factor is kept.
+    /// Static stability of the state evaluated last; its factor is kept.
     pub(super) fn stability(&mut self) -> Stability {
         let conservative = self.is_conservative();
-        let actual = !self.is_singular() && self.factor.shift() == 0.0;
-        let regular = actual && self.factor.pivot_ratio() > REGULAR_PIVOTS;
-        if conservative && regular && !self.has_neutral() {
-            return Stability::Stable;
-        }
         if conservative && self.is_singular() {
             return Stability::Neutral;
         }
-        let found = self.factor.stability(&self.data, ZERO_EIGENVALUE);
-        self.factorise(0.0);
-        if found == Stability::Stable && self.has_neutral() { Stability::Neutral } else { found }
+        if !self.surely_stable && self.tangent_state != self.q {
+            self.evaluate();
+            self.evaluate_tangent();
+            self.factorise_neutral();
+        }
+        let slack = self.negligible_stiffness();
+        if conservative && (self.surely_stable || self.factor.exceeds(&self.data, slack)) {
+            return if self.has_neutral() { Stability::Neutral } else { Stability::Stable };
+        }
+        let found = self.factor.stability(&self.data, slack);
+        self.factorise_neutral();
+        found
     }
 
     /// Whether the state, whose largest residual is `size`, is an equilibrium: every elastic coordinate is
@@ -777,8 +813,11 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.complete_columns(self.model);
     }
 
-    /// Ratio of the smallest to the largest pivot of the current factor.
-    pub(crate) fn pivot_ratio(&self) -> f64 {
-        self.factor.pivot_ratio()
+    /// Whether the matrix of adjoints at the equilibrium evaluated last is singular but for rounding; the factor is kept.
+    pub(crate) fn is_nearly_singular(&mut self) -> bool {
+        match self.factor.pivot_ratio() {
+            Some(ratio) => ratio < SINGULAR_PIVOTS,
+            None => !self.factor.exceeds(&self.data, ZERO_EIGENVALUE),
+        }
     }
 }

@@ -234,13 +234,6 @@ impl<const R: usize> ChainCholesky<R> {
         self.null_pivot
     }
 
-    /// Ratio of the smallest to the largest pivot of the last factorisation.
-    pub fn pivot_ratio(&self) -> f64 {
-        let largest = self.inverse.iter().copied().fold(0.0f64, f64::max);
-        let smallest = self.inverse.iter().copied().fold(f64::INFINITY, f64::min);
-        (smallest / largest).powi(2)
-    }
-
     /// Solves `L y = b` in place.
     pub fn solve_lower(&self, b: &mut [f64]) {
         let border = self.nodes[self.nodes.len() - 1].own.clone();

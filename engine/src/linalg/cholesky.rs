@@ -95,14 +95,6 @@ impl Cholesky {
         self.null_pivot
     }
 
-    /// Ratio of the smallest to the largest pivot of the last factorisation.
-    pub fn pivot_ratio(&self) -> f64 {
-        let diagonal = (0..self.n).map(|k| self.inverses[k / LANES][0][k % LANES][k % LANES]);
-        let largest = diagonal.clone().fold(0.0f64, f64::max);
-        let smallest = diagonal.fold(f64::INFINITY, f64::min);
-        (smallest / largest).powi(2)
-    }
-
     /// Solves `Uᵀ y = b` in place.
     pub fn solve_lower(&self, b: &mut [f64]) {
         let rows = self.inverses.len() * LANES;

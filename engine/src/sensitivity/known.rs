@@ -146,7 +146,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Model<G, D, P> {
             if !system.revisit(q, &known.applied[equilibrium * inputs..(equilibrium + 1) * inputs]) {
                 continue;
             }
-            let regularity = Regularity::of(self, &system);
+            let regularity = Regularity::of(self, &mut system);
             adjoint.visit(self, &system);
             let weights = |sum: usize| &known.weights[sum * outputs..(sum + 1) * outputs];
             alone.fill(None);

@@ -5,7 +5,6 @@ use crate::equilibrium::System;
 use crate::lie::LieGroup;
 use crate::linalg::Vector;
 use crate::model::Model;
-use crate::tolerances::SINGULAR_PIVOTS;
 
 /// Why an equilibrium may have no derivative.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,9 +53,9 @@ impl Regularity {
     /// The regularity of the system's current equilibrium, regardless of how it was reached.
     pub(crate) fn of<G: LieGroup<D, P>, const D: usize, const P: usize>(
         model: &Model<G, D, P>,
-        system: &System<G, D, P>,
+        system: &mut System<G, D, P>,
     ) -> Self {
-        if system.pivot_ratio() < SINGULAR_PIVOTS {
+        if system.is_nearly_singular() {
             Self::NearlySingular
         } else if at_threshold(model, system) {
             Self::ContactThreshold

@@ -25,9 +25,11 @@ impl<const P: usize> Ball<P> {
     #[inline]
     pub fn around(centres: &[Vector<P>], radii: &[f64]) -> Self {
         let centre = (centres[0] + centres[centres.len() - 1]) * 0.5;
-        let reach = centres.iter().zip(radii).map(|(each, radius)| (*each - centre).norm() + radius);
+        let larger = |a: f64, b: f64| if a > b { a } else { b };
+        let squares = centres.iter().map(|each| (*each - centre).dot(&(*each - centre)));
+        let (farthest, widest) = (squares.fold(0.0, larger).sqrt(), radii.iter().copied().fold(0.0, larger));
         // A margin for rounding errors.
-        Self { centre, radius: reach.fold(0.0, f64::max) * (1.0 + 1e-12) }
+        Self { centre, radius: (farthest + widest) * (1.0 + 1e-12) }
     }
 }
 
