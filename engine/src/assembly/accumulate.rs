@@ -160,7 +160,8 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
         phi1: &Matrix<D, LANES>,
     ) -> [Matrix<D, LANES>; 3] {
         let form = self.terms.frames.stiffness[f] + G::bracket_form(&self.terms.frames.wrench[f]) * 0.5;
-        [form * *column, self.curvature[f] * *motion, self.bracket[f].transpose() * *phi1]
+        let [curvature, bracket] = [&self.curvature[f], &self.bracket[f].transpose()];
+        [form * *column, G::apply_form(curvature, motion), G::apply_form(bracket, phi1)]
     }
 
     /// Adds the products of the coupling forms carried by the frames of a run with its columns.

@@ -71,12 +71,12 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
     ) -> f64 {
         let (a1, a2, commutator) = kinematics.motion_derivative(tree, f);
         let tangent = G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]);
-        let operator = kinematics.pose[f].adjoint() * tangent;
+        let operator = G::operate(&kinematics.pose[f].adjoint(), &tangent);
         for block in tree.frames[f].blocks.clone() {
             let [phi1, phi2] = &geometry.strain_maps[block];
-            let motion = a1 * *phi1 + a2 * *phi2;
+            let motion = G::operate(&a1, phi1) + G::operate(&a2, phi2);
             self.motions[block] = motion;
-            self.columns[block] = operator * motion;
+            self.columns[block] = G::operate(&operator, &motion);
         }
         commutator
     }

@@ -46,6 +46,12 @@ pub trait LieGroup<const D: usize, const P: usize>:
     fn ad(a: &Vector<D>) -> Matrix<D, D>;
     /// The antisymmetric form `M(w)` with `aᵀ M b = w·[a, b]`.
     fn bracket_form(w: &Vector<D>) -> Matrix<D, D>;
+    /// The product of columns of twists with an operator that makes no rotation of a translation, as `Ad`, `ad`
+    /// and `T`.
+    fn operate<const C: usize>(operator: &Matrix<D, D>, columns: &Matrix<D, C>) -> Matrix<D, C>;
+    /// The product of columns with a form that vanishes for two translations, as `M(w)` and the curvature of the
+    /// exponential.
+    fn apply_form<const C: usize>(form: &Matrix<D, D>, columns: &Matrix<D, C>) -> Matrix<D, C>;
 
     /// Position of the frame's origin.
     fn position(&self) -> Vector<P>;

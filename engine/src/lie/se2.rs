@@ -18,6 +18,12 @@ fn turn(v: [f64; 2]) -> [f64; 2] {
     [v[1], -v[0]]
 }
 
+/// Σ of multiples of rows.
+#[inline(always)]
+fn combine<const C: usize>([(a, first), (b, second), (c, third)]: [(f64, &Vector<C>); 3]) -> [f64; C] {
+    std::array::from_fn(|i| fma(c, third[i], fma(b, second[i], a * first[i])))
+}
+
 impl LieGroup<3, 2> for SE2 {
     const IDENTITY: Self = Self { cos: 1.0, sin: 0.0, position: Vector::ZERO };
     const AXES: [Mode; 3] = [Mode::BendY, Mode::ExtendX, Mode::ShearZ];
@@ -97,6 +103,21 @@ impl LieGroup<3, 2> for SE2 {
     fn bracket_form(w: &Vector<3>) -> Matrix<3, 3> {
         let (fx, fz) = (w[1], w[2]);
         Matrix([[0.0, -fz, fx], [fz, 0.0, 0.0], [-fx, 0.0, 0.0]])
+    }
+
+    #[inline(always)]
+    fn operate<const C: usize>(operator: &Matrix<3, 3>, columns: &Matrix<3, C>) -> Matrix<3, C> {
+        let [[a, ..], x, z] = operator.0;
+        let [turn, along, across] = columns.0.map(Vector);
+        let linear = |[b, c, d]: [f64; 3]| combine([(b, &turn), (c, &along), (d, &across)]);
+        Matrix([(turn * a).0, linear(x), linear(z)])
+    }
+
+    #[inline(always)]
+    fn apply_form<const C: usize>(form: &Matrix<3, 3>, columns: &Matrix<3, C>) -> Matrix<3, C> {
+        let [[a, b, c], [x, ..], [z, ..]] = form.0;
+        let [turn, along, across] = columns.0.map(Vector);
+        Matrix([combine([(a, &turn), (b, &along), (c, &across)]), (turn * x).0, (turn * z).0])
     }
 
     #[inline]

@@ -149,6 +149,16 @@ impl LieGroup<6, 3> for SE3 {
         blocks(&hat(&-m), &fh, &fh, &M3::ZERO)
     }
 
+    #[inline(always)]
+    fn operate<const C: usize>(operator: &Matrix<6, 6>, columns: &Matrix<6, C>) -> Matrix<6, C> {
+        *operator * *columns
+    }
+
+    #[inline(always)]
+    fn apply_form<const C: usize>(form: &Matrix<6, 6>, columns: &Matrix<6, C>) -> Matrix<6, C> {
+        *form * *columns
+    }
+
     #[inline]
     fn position(&self) -> V3 {
         self.position
