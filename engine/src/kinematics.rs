@@ -87,7 +87,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
         let [a, b] = self.strain[step];
         let h = magnus.h;
         if tree.rods[magnus.rod].magnus_order == 4 {
-            (a + b) * (0.5 * h) + (G::ad(&a) * b) * (ZANNA_COMMUTATOR * h * h)
+            (a + b) * (0.5 * h) + G::bracket(&a, &b) * (ZANNA_COMMUTATOR * h * h)
         } else {
             a * h
         }
@@ -129,10 +129,10 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> Kinematics<G, D, P> {
         while f != 0 {
             let frame = &tree.frames[f];
             if !frame.blocks.is_empty() {
-                let body_wrench = self.pose[f].adjoint().transpose_times(wrench);
-                let dual = G::tangent(&self.omega[f], &self.stumpff[f]).transpose_times(&body_wrench);
+                let body_wrench = G::operate_dual(&self.pose[f].adjoint(), wrench);
+                let dual = G::operate_dual(&G::tangent(&self.omega[f], &self.stumpff[f]), &body_wrench);
                 let (a1, a2, _) = self.motion_derivative(tree, f);
-                let (one, two) = (a1.transpose_times(&dual), a2.transpose_times(&dual));
+                let [one, two] = [a1, a2].map(|a| G::operate_dual(&a, &dual));
                 let maps = &geometry.strain_maps[frame.blocks.clone()];
                 let dofs = tree.column_dofs[frame.columns.clone()].chunks(LANES);
                 for (dofs, [phi1, phi2]) in dofs.zip(maps) {

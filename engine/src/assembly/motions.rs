@@ -26,12 +26,12 @@ impl<const D: usize, const P: usize> Assembly<D, P> {
             if frame.blocks.is_empty() {
                 continue;
             }
-            let body_wrench = kinematics.pose[f].adjoint().transpose_times(&wrench);
+            let body_wrench = G::operate_dual(&kinematics.pose[f].adjoint(), &wrench);
             let tangent = G::tangent(&kinematics.omega[f], &kinematics.stumpff[f]);
-            let dual = tangent.transpose_times(&body_wrench);
+            let dual = G::operate_dual(&tangent, &body_wrench);
             self.duals[f] = [body_wrench, dual];
             let (a1, a2, _) = kinematics.motion_derivative(tree, f);
-            let (one, two) = (a1.transpose_times(&dual), a2.transpose_times(&dual));
+            let [one, two] = [a1, a2].map(|a| G::operate_dual(&a, &dual));
             let maps = &geometry.strain_maps[frame.blocks.clone()];
             for (pulled, [phi1, phi2]) in self.pulled[frame.coordinates.clone()].iter_mut().zip(maps) {
                 *pulled += phi1.transpose_times(&one) + phi2.transpose_times(&two);

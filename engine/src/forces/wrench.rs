@@ -272,7 +272,7 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
             if wrench.follower {
                 // The wrench is carried along with its frame; its point may slide along the body.
                 let twist = &velocities.twists[frame];
-                let carried = G::ad(twist) * virtual_motion.twists[frame];
+                let carried = G::bracket(twist, &virtual_motion.twists[frame]);
                 let slide = *velocity - G::point_jacobian(at.point(wrench.point)) * *twist;
                 let force = at.kinematics.pose[frame].rotate(&wrench.force::<G, D, P>(at.parameters()));
                 *work += size

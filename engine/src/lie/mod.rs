@@ -44,11 +44,15 @@ pub trait LieGroup<const D: usize, const P: usize>:
     fn adjoint(&self) -> Matrix<D, D>;
     /// `ad_a`, with `ad_a b = [a, b]`.
     fn ad(a: &Vector<D>) -> Matrix<D, D>;
+    /// `[a, b]`.
+    fn bracket(a: &Vector<D>, b: &Vector<D>) -> Vector<D>;
     /// The antisymmetric form `M(w)` with `aᵀ M b = w·[a, b]`.
     fn bracket_form(w: &Vector<D>) -> Matrix<D, D>;
     /// The product of columns of twists with an operator that makes no rotation of a translation, as `Ad`, `ad`
     /// and `T`.
     fn operate<const C: usize>(operator: &Matrix<D, D>, columns: &Matrix<D, C>) -> Matrix<D, C>;
+    /// The transpose of such an operator times a wrench.
+    fn operate_dual(operator: &Matrix<D, D>, wrench: &Vector<D>) -> Vector<D>;
     /// The product of columns with a form that vanishes for two translations, as `M(w)` and the curvature of the
     /// exponential.
     fn apply_form<const C: usize>(form: &Matrix<D, D>, columns: &Matrix<D, C>) -> Matrix<D, C>;

@@ -100,6 +100,12 @@ impl LieGroup<3, 2> for SE2 {
     }
 
     #[inline]
+    fn bracket(a: &Vector<3>, b: &Vector<3>) -> Vector<3> {
+        let jv = turn([a[1], a[2]]);
+        Vector([0.0, fma(a[0], b[2], -jv[0] * b[0]), fma(-a[0], b[1], -jv[1] * b[0])])
+    }
+
+    #[inline]
     fn bracket_form(w: &Vector<3>) -> Matrix<3, 3> {
         let (fx, fz) = (w[1], w[2]);
         Matrix([[0.0, -fz, fx], [fz, 0.0, 0.0], [-fx, 0.0, 0.0]])
@@ -111,6 +117,13 @@ impl LieGroup<3, 2> for SE2 {
         let [turn, along, across] = columns.0.map(Vector);
         let linear = |[b, c, d]: [f64; 3]| combine([(b, &turn), (c, &along), (d, &across)]);
         Matrix([(turn * a).0, linear(x), linear(z)])
+    }
+
+    #[inline(always)]
+    fn operate_dual(operator: &Matrix<3, 3>, wrench: &Vector<3>) -> Vector<3> {
+        let [[a, ..], [b, c, d], [e, f, g]] = operator.0;
+        let [moment, x, z] = wrench.0;
+        Vector([fma(z, e, fma(x, b, moment * a)), fma(z, f, x * c), fma(z, g, x * d)])
     }
 
     #[inline(always)]
