@@ -265,17 +265,17 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         Terms { coordinates: out, .. }: &mut Terms<D>,
     ) {
         let Tangents { curvature, along } = state;
-        curvature.clear();
-        along.clear();
+        curvature.resize(paths.points.len(), 0.0);
+        along.resize(paths.columns.len(), 0.0);
+        let (mut curvature, mut along) = (curvature.iter_mut(), along.iter_mut());
         self.for_each_point(at.q, paths, |actuator, weight, unit, norm, columns| {
             let tension = -self.0[actuator].sign * at.load[self.0[actuator].input] * weight;
             out.energy += tension * norm;
-            curvature.push(tension / norm);
+            curvature.next().into_iter().for_each(|curvature| *curvature = tension / norm);
             for (unit, columns) in unit.iter().zip(columns) {
-                for column in columns {
-                    let along_column = unit * column.size;
-                    out.gradient[column.dof] += tension * along_column;
-                    along.push(along_column);
+                for (column, along) in columns.iter().zip(along.by_ref()) {
+                    *along = unit * column.size;
+                    out.gradient[column.dof] += tension * *along;
                 }
             }
         });

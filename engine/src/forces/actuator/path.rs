@@ -77,7 +77,8 @@ pub(super) fn add_tangent_of(strain: &[f64; 6], modes: &[Mode], d: [f64; 2], tau
 pub(super) fn unit_tangent(tau: [f64; 3], base: [f64; 3]) -> ([f64; 3], f64) {
     // A path collapsed to a point has no direction; the floor keeps the tangent finite.
     let norm = dot(&tau, &tau).sqrt().max(1e-9 * base[0].abs());
-    (tau.map(|t| t / norm), norm)
+    let inverse = 1.0 / norm;
+    (tau.map(|t| t * inverse), norm)
 }
 
 #[inline]
