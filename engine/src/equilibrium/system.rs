@@ -44,9 +44,9 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     accuracy: Accuracy,
     /// Number of contacts and slack springs that act where the tangent was evaluated.
     switched_on: usize,
-    /// The state where the tangent was evaluated.
+    /// The state of the tangent, or that for which it stands.
     tangent_state: Vec<f64>,
-    /// Whether the tangent shows that states near there are stable.
+    /// Whether the tangent shows that this state is stable.
     surely_stable: bool,
     /// Coordinates whose diagonal entry of the current tangent is zero to rounding.
     loose: Vec<usize>,
@@ -472,21 +472,25 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     }
 
     /// Whether the current tangent, which is factorised, is so stiff that the state evaluated last, near its own, is
-    /// stable, too.
+    /// stable, too; then it stands for that of this state.
     pub(super) fn shows_stability(&mut self) -> bool {
-        if self.is_conservative() {
-            let moved = self.q.iter().zip(&self.tangent_state).zip(&self.unit);
-            let distance = moved.fold(0.0f64, |m, ((q, t), unit)| m.max(((q - t) / unit).abs()));
-            let slack = TANGENT_RATE * distance + self.negligible_stiffness();
-            self.surely_stable = self.factor.exceeds(&self.data, slack);
+        if !self.is_conservative() {
+            return true;
         }
-        self.surely_stable || !self.is_conservative()
+        let moved = self.q.iter().zip(&self.tangent_state).zip(&self.unit);
+        let distance = moved.fold(0.0f64, |m, ((q, t), unit)| m.max(((q - t) / unit).abs()));
+        let slack = TANGENT_RATE * distance + self.negligible_stiffness();
+        self.surely_stable = self.factor.exceeds(&self.data, slack);
+        if self.surely_stable {
+            self.tangent_state.copy_from_slice(&self.q);
+        }
+        self.surely_stable
     }
 
     /// Stiffness that counts as zero: that of a motion along which the energy is constant is of the size of the
     /// residual.
     fn negligible_stiffness(&self) -> f64 {
-        ZERO_EIGENVALUE + OF_RESIDUAL * max_norm(&self.residual)
+        (ZERO_EIGENVALUE + OF_RESIDUAL * max_norm(&self.residual)).min(DRIFT_EIGENVALUE)
     }
 
     /// Finds the coordinates whose stiffness is zero to the rounding of its terms.
@@ -610,7 +614,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         if conservative && self.is_singular() {
             return Stability::Neutral;
         }
-        if !self.surely_stable && self.tangent_state != self.q {
+        if self.tangent_state != self.q {
             self.evaluate();
             self.evaluate_tangent();
             self.factorise_neutral();
