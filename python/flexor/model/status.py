@@ -9,11 +9,14 @@ import numpy as np
 
 if TYPE_CHECKING:
     from flexor.model.results import Path
+    from flexor.model.structure import Structure
 
 # Gaps up to this count as closed: of the length of the longest body, or in radians.
 _CLOSED = 1e-7
 # Ties with at least this part of the largest share are named.
 _SHARE = 0.1
+# No equilibrium is resolved where the rounding of terms is more than this part of the forces.
+_LOST = 0.01
 
 # Status: meaning, remedy. The table in `docs/method.md` repeats them, which a test checks.
 MEANINGS = MappingProxyType(
@@ -125,6 +128,9 @@ def why_stalled(path: Path) -> str:
     step = path.status.tolist().index("stalled")
     residual, tolerance = float(path.residual[step]), float(path.tolerance[step])
     model = path.model
+    if residual <= tolerance and tolerance > _LOST:
+        said = f"rounding is {tolerance:.2g} of the forces, of which it must be less than {_LOST:g}"
+        return said + _stiffest(model)
     if residual <= tolerance:
         # By arc length the numbers are those of the last state found.
         if path.followed is None:
@@ -139,6 +145,11 @@ def why_stalled(path: Path) -> str:
             )
         return "forces balance in the last state, which is not a stable equilibrium"
     said = f"the residual is {residual:.2g} of the forces, above its bound of {tolerance:.2g}"
+    return said + _stiffest(model)
+
+
+def _stiffest(model: Structure) -> str:
+    """Return which contact, spring or obstacle is the stiffest; nothing without any."""
     file, slots = model.file, model.engine.slots
     names = [("contacts", name) for name in file.contacts]
     names += [("springs", name) for name in file.springs]
@@ -149,6 +160,6 @@ def why_stalled(path: Path) -> str:
         if f"{name}.stiffness" in slots
     ]
     if not stiff:
-        return said
+        return ""
     largest, name = max(stiff)
-    return f"{said}; the largest stiffness is that of {name}, {largest:.3g} N/m"
+    return f"; the largest stiffness is that of {name}, {largest:.3g} N/m"
