@@ -1,4 +1,8 @@
-"""A motion that nothing holds goes with the first load: there a path begins, and no branch ends."""
+"""The first load, at which a path begins.
+
+A motion that nothing holds goes with it, and no branch ends there. Equilibria under loads without a
+potential are found as well.
+"""
 
 from __future__ import annotations
 
@@ -137,3 +141,109 @@ def test_a_slide_that_the_load_does_not_drive_stays(loads: list[float]) -> None:
     path = Model(parse(RING)).equilibrium(loads)
     assert path.converged.all()
     np.testing.assert_allclose(path.q[:, 0], 0.0, atol=1e-9)
+
+
+FOLLOWERS = """
+name = "followers"
+gravity = {{ z = "-9.81 m/s^2" }}
+[bodies.a]
+kind = "rod"
+length = "{length} cm"
+{rod}
+[bodies.b]
+kind = "rod"
+parent = "a"
+length = "20 cm"
+{rod}
+[springs.s]
+first = {{ body = "b", at = "tip" }}
+second = {{ world = {{ x = "20 cm", y = "10 cm", z = "10 cm" }} }}
+stiffness = "{stiffness} N/m"
+[wrenches.m]
+body = "b"
+at = "tip"
+moment = {{ x = "2 N*mm", y = "2 N*mm", z = "2 N*mm" }}
+frame = "body"
+[wrenches.f]
+body = "b"
+at = "tip"
+force = {{ x = "1 N" }}
+input = true
+"""
+SOFT_ROD = """
+radius = "5 mm"
+young_modulus = "1 MPa"
+poisson_ratio = 0.45
+density = "1000 kg/m^3"
+strain = { twist_x = "nodal_linear", bend_y = "nodal_linear", bend_z = "nodal_linear" }
+elements = 6
+gauss_points = 2
+"""
+
+
+@pytest.mark.parametrize("stiffness", [2, 20])
+def test_newton_steps_that_creep_to_no_equilibrium_are_given_up(stiffness: int) -> None:
+    """The norm of the residual has minima above zero; small changes decide what ends there."""
+    tips = []
+    for length in (19.0, 19.5, 20.0, 20.5, 21.0):
+        text = FOLLOWERS.format(length=length, stiffness=stiffness, rod=SOFT_ROD)
+        path = Model(parse(text)).equilibrium([0.0], max_iterations=5000)
+        assert path.status[0] == "converged"
+        assert path.stability[0] == "stable"
+        tips.append(path.frames(0)["b"][-1][:3, 3])
+    # The same equilibrium for all: it moves little with the length.
+    assert np.linalg.norm(np.diff(tips, axis=0), axis=1).max() < 0.01
+
+
+HANGING = """
+name = "hanging"
+gravity = { z = "-9.81 m/s^2" }
+[bodies.rod]
+kind = "rod"
+length = "39.86 cm"
+radius = "4.62 mm"
+young_modulus = "1.584 MPa"
+poisson_ratio = 0.45
+density = "1272 kg/m^3"
+strain = { twist_x = "nodal_linear", bend_y = "nodal_linear", bend_z = "nodal_linear" }
+elements = 6
+gauss_points = 2
+[springs.s]
+first = { body = "rod", at = "tip" }
+second = { world = { x = "-0.3142 m", y = "0.1065 m", z = "0.1420 m" } }
+stiffness = "0.424 N/m"
+rest_length = "0.1048 m"
+[wrenches.m]
+body = "rod"
+at = "tip"
+moment = { x = "-10.95 N*mm", y = "-4.5 N*mm", z = "-1.56 N*mm" }
+frame = "body"
+"""
+INPUT = "input = true\n"
+OTHER_INPUT = """
+[wrenches.f]
+body = "rod"
+at = "tip"
+force = { x = "1 N" }
+input = true
+"""
+
+
+def test_followers_under_which_the_rod_at_rest_never_settles_are_added_in_parts() -> None:
+    """The overdamped motion from the straight rod ends in a cycle."""
+    at_once = Model(parse(HANGING + OTHER_INPUT)).equilibrium([0.0, 0.01])
+    wound_up = Model(parse(HANGING + INPUT)).equilibrium([1.0])
+    assert at_once.converged.all()
+    assert at_once.stability[0] == "stable"
+    np.testing.assert_allclose(at_once.q[0], wound_up.q[0], rtol=1e-6, atol=1e-6)
+    # The path goes on with the whole moment.
+    both = Model(parse(HANGING + INPUT + OTHER_INPUT))
+    pulled = both.equilibrium({"m": [1.0, 1.0], "f": [0.0, 0.01]})
+    np.testing.assert_allclose(at_once.q[1], pulled.q[1], rtol=1e-6, atol=1e-6)
+
+
+def test_a_search_without_hope_ends_early() -> None:
+    shorter = HANGING.replace("39.86 cm", "33 cm").replace("-10.95", "-12.16")
+    path = Model(parse(shorter + INPUT)).equilibrium([1.0])
+    assert path.status[0] == "stalled"
+    assert path.iterations[0] < 5000

@@ -31,7 +31,7 @@ pub struct Continuation<'m, G, const D: usize, const P: usize> {
     pub(super) options: ContinuationOptions,
     pub(super) corrector: Corrector<D, P>,
     pub(super) trust_region: TrustRegion,
-    damped_newton: DampedNewton,
+    pub(super) damped_newton: DampedNewton,
     pub(super) critical: CriticalSearch,
     /// dq/dλ (dimensionless) at both ends of a sub-step.
     pub(super) velocity: [Vec<f64>; 2],
@@ -200,7 +200,7 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> Continuation<'m, G, 
             let closed = self.close_ties(target, step, sink);
             self.start_regular(closed)
         } else {
-            self.find_stable(radius, step.tangent_reuse)
+            self.find_first(radius, step.tangent_reuse)
         };
         self.passage.watched = self.system.has_ties();
         self.never_held = true;

@@ -17,11 +17,19 @@ pub(super) struct DampedNewton {
     start: Vec<f64>,
     /// A part of the step.
     scaled: Vec<f64>,
+    /// Whether the search shortened the step accepted last.
+    shortened: bool,
 }
 
 impl DampedNewton {
     pub fn new(options: DampedNewtonOptions, dof: usize) -> Self {
-        Self { options, step: vec![0.0; dof], start: vec![0.0; dof], scaled: vec![0.0; dof] }
+        Self {
+            options,
+            step: vec![0.0; dof],
+            start: vec![0.0; dof],
+            scaled: vec![0.0; dof],
+            shortened: false,
+        }
     }
 
     /// An equilibrium near the system's state, a statically stable one if there is any.
@@ -31,7 +39,7 @@ impl DampedNewton {
         tolerance: f64,
     ) -> Status {
         let start = system.state().to_vec();
-        let found = self.solve_residual(system, tolerance);
+        let found = self.solve_residual(system, tolerance, self.options.max_steps);
         let lost = match found {
             Status::Converged => system.stability() == Stability::Unstable,
             _ => true,
@@ -57,14 +65,29 @@ impl DampedNewton {
         Status::Unstable
     }
 
+    /// Whether a few steps lead to an equilibrium that is not statically unstable.
+    pub fn correct<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &mut self,
+        system: &mut System<G, D, P>,
+        tolerance: f64,
+    ) -> bool {
+        let found = self.solve_residual(system, tolerance, self.options.max_correction);
+        found == Status::Converged && system.stability() != Stability::Unstable
+    }
+
     /// Solves the residual from the system's state; its norm never rises along accepted steps.
+    ///
+    /// It may have a minimum above zero, where the tangent is singular. Steps towards that become ever shorter, so
+    /// that the method is given up where they make no progress.
     fn solve_residual<G: LieGroup<D, P>, const D: usize, const P: usize>(
         &mut self,
         system: &mut System<G, D, P>,
         tolerance: f64,
+        max_steps: usize,
     ) -> Status {
         let mut size = system.evaluate();
-        loop {
+        let mut creeping = 0;
+        for _ in 0..=max_steps {
             if !size.is_finite() {
                 return Status::Diverged;
             }
@@ -80,12 +103,32 @@ impl DampedNewton {
             if !norm(&self.step).is_finite() {
                 return Status::Diverged;
             }
-            match self.search(system) {
-                Some(lowered) => size = lowered,
-                None if system.is_balanced(tolerance) => return Status::Converged,
-                None if system.is_singular() => return Status::Unrestrained,
-                None => return Status::Stalled,
+            let before = norm(system.residual());
+            let lowered = self.search(system);
+            let left = norm(system.residual()) / before;
+            creeping = if self.shortened && left > 1.0 - self.options.progress { creeping + 1 } else { 0 };
+            match lowered {
+                Some(lowered) if creeping <= self.options.max_creeping => size = lowered,
+                _ => return self.why_stalled(system, tolerance),
             }
+        }
+        Status::Stalled
+    }
+
+    /// The status where a step from `start`, to which the system returns, has not lowered the residual enough.
+    fn why_stalled<G: LieGroup<D, P>, const D: usize, const P: usize>(
+        &self,
+        system: &mut System<G, D, P>,
+        tolerance: f64,
+    ) -> Status {
+        system.set_state(&self.start);
+        system.evaluate();
+        if system.is_balanced(tolerance) {
+            Status::Converged
+        } else if system.is_singular() {
+            Status::Unrestrained
+        } else {
+            Status::Stalled
         }
     }
 
@@ -96,6 +139,7 @@ impl DampedNewton {
     ) -> Option<f64> {
         // The linear model is not valid further away.
         let mut fraction = (self.options.max_step / max_norm(&self.step)).min(1.0);
+        let longest = fraction;
         let before = norm(system.residual());
         self.start.copy_from_slice(system.state());
         for _ in 0..self.options.max_halvings {
@@ -104,15 +148,16 @@ impl DampedNewton {
             if size.is_finite() && norm(system.residual()) < before {
                 self.scaled.iter_mut().zip(&self.step).for_each(|(x, s)| *x = fraction * s);
                 match system.stopped_by_contact(&self.start, &self.scaled) {
-                    None => return Some(size),
+                    None => {
+                        self.shortened = fraction < longest;
+                        return Some(size);
+                    }
                     Some(part) => fraction *= part.min(0.5),
                 }
             } else {
                 fraction *= 0.5;
             }
         }
-        system.set_state(&self.start);
-        system.evaluate();
         None
     }
 

@@ -86,6 +86,11 @@ impl<const D: usize> Factor<D> {
         self.general.is_none()
     }
 
+    /// Exchanges the factor for loads without a potential; without one the tangent is taken to be symmetric.
+    pub fn swap_general(&mut self, general: &mut Option<GeneralFactor>) {
+        std::mem::swap(&mut self.general, general);
+    }
+
     /// Factorises the current tangent, `S A S + shift`; `false` when it is not positive definite or,
     /// without a potential, when the determinant of `S A S` is not positive.
     pub fn factorise<G: LieGroup<D, P>, const P: usize>(&mut self, data: &Data<G, D, P>, shift: f64) -> bool {

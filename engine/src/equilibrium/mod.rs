@@ -32,6 +32,7 @@ mod factor;
 mod friction;
 mod general;
 mod jump;
+mod load_steps;
 mod mixed_newton;
 mod neutral;
 mod newton;

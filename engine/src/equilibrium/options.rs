@@ -369,6 +369,18 @@ options! {
         max_halvings: usize = 30, Interval::from(0.0).to(1000.0);
         /// Longest step, by the largest coordinate (dimensionless).
         max_step: f64 = 1.0, Interval::above(0.0).to(1e3);
+        /// Largest number of steps.
+        max_steps: usize = 2000, Interval::from(0.0).to(1e9);
+        /// Largest number of steps after a part of the loads was added.
+        max_correction: usize = 20, Interval::from(1.0).to(1e9);
+        /// First part of the loads that is added to none.
+        first_part: f64 = 0.25, Interval::above(0.0).to(1.0);
+        /// Largest number of parts that are tried.
+        max_parts: usize = 50, Interval::from(0.0).to(1e9);
+        /// A halved step creeps if it lowers the residual by less than this fraction.
+        progress: f64 = 1e-3, Interval::from(0.0).to(1.0);
+        /// Largest number of consecutive steps that creep.
+        max_creeping: usize = 10, Interval::from(0.0).to(1e9);
         /// Largest number of implicit steps of the overdamped motion from an unstable state.
         max_relaxation: usize = 1500, Interval::from(0.0).to(1e6);
         /// Largest number of consecutive steps of this motion without stiffness.

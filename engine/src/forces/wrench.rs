@@ -96,6 +96,15 @@ impl Wrenches {
         }
         Ok(Self(built))
     }
+
+    /// The parameters of the loads that have no potential.
+    pub fn without_potential<const P: usize>(&self) -> impl Iterator<Item = usize> {
+        let without = self.0.iter().filter(|wrench| !wrench.is_conservative::<P>());
+        without.flat_map(|wrench| {
+            let force = wrench.force..wrench.force + if wrench.follower { 3 } else { 0 };
+            force.chain(wrench.moment..wrench.moment + 3)
+        })
+    }
 }
 
 impl Wrench {
