@@ -44,18 +44,8 @@ pub trait LieGroup<const D: usize, const P: usize>:
     fn adjoint(&self) -> Matrix<D, D>;
     /// `ad_a`, with `ad_a b = [a, b]`.
     fn ad(a: &Vector<D>) -> Matrix<D, D>;
-    /// `[a, b]`.
-    fn bracket(a: &Vector<D>, b: &Vector<D>) -> Vector<D>;
     /// The antisymmetric form `M(w)` with `aᵀ M b = w·[a, b]`.
     fn bracket_form(w: &Vector<D>) -> Matrix<D, D>;
-    /// The product of columns of twists with an operator that makes no rotation of a translation, as `Ad`, `ad`
-    /// and `T`.
-    fn operate<const C: usize>(operator: &Matrix<D, D>, columns: &Matrix<D, C>) -> Matrix<D, C>;
-    /// The transpose of such an operator times a wrench.
-    fn operate_dual(operator: &Matrix<D, D>, wrench: &Vector<D>) -> Vector<D>;
-    /// The product of columns with a form that vanishes for two translations, as `M(w)` and the curvature of the
-    /// exponential.
-    fn apply_form<const C: usize>(form: &Matrix<D, D>, columns: &Matrix<D, C>) -> Matrix<D, C>;
 
     /// Position of the frame's origin.
     fn position(&self) -> Vector<P>;
@@ -77,6 +67,27 @@ pub trait LieGroup<const D: usize, const P: usize>:
     /// A point of this group in space.
     fn point_to_spatial(p: &Vector<P>) -> [f64; 3];
 
+    /// `[a, b]`.
+    #[inline(always)]
+    fn bracket(a: &Vector<D>, b: &Vector<D>) -> Vector<D> {
+        Self::ad(a) * *b
+    }
+    /// The product of an operator that leaves translations translations, as `Ad`, `ad` and `T`, with columns.
+    #[inline(always)]
+    fn operate<const C: usize>(operator: &Matrix<D, D>, columns: &Matrix<D, C>) -> Matrix<D, C> {
+        *operator * *columns
+    }
+    /// The transpose of such an operator times a wrench.
+    #[inline(always)]
+    fn operate_dual(operator: &Matrix<D, D>, wrench: &Vector<D>) -> Vector<D> {
+        operator.transpose_times(wrench)
+    }
+    /// The product of a form that vanishes for two translations, as `M(w)` and the curvature of the exponential,
+    /// with columns.
+    #[inline(always)]
+    fn apply_form<const C: usize>(form: &Matrix<D, D>, columns: &Matrix<D, C>) -> Matrix<D, C> {
+        *form * *columns
+    }
     /// The twist component that `mode` drives, if the group has it.
     fn axis(mode: Mode) -> Option<usize> {
         Self::AXES.iter().position(|m| *m == mode)

@@ -143,30 +143,10 @@ impl LieGroup<6, 3> for SE3 {
     }
 
     #[inline]
-    fn bracket(a: &Vector<6>, b: &Vector<6>) -> Vector<6> {
-        Self::ad(a) * *b
-    }
-
-    #[inline]
     fn bracket_form(w: &Vector<6>) -> Matrix<6, 6> {
         let (m, f) = split(w);
         let fh = hat(&-f);
         blocks(&hat(&-m), &fh, &fh, &M3::ZERO)
-    }
-
-    #[inline(always)]
-    fn operate<const C: usize>(operator: &Matrix<6, 6>, columns: &Matrix<6, C>) -> Matrix<6, C> {
-        *operator * *columns
-    }
-
-    #[inline(always)]
-    fn operate_dual(operator: &Matrix<6, 6>, wrench: &Vector<6>) -> Vector<6> {
-        operator.transpose_times(wrench)
-    }
-
-    #[inline(always)]
-    fn apply_form<const C: usize>(form: &Matrix<6, 6>, columns: &Matrix<6, C>) -> Matrix<6, C> {
-        *form * *columns
     }
 
     #[inline]

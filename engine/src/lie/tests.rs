@@ -52,6 +52,17 @@ fn check<G: LieGroup<D, P>, const D: usize, const P: usize>(omega: [f64; D], w: 
     let bracket = G::ad(&omega) * d;
     assert!((w.dot(&bracket) - omega.dot(&(G::bracket_form(&w) * d))).abs() < 1e-13 * (1.0 + w.norm()));
 
+    // Products without what vanishes.
+    let column = |v: &Vector<D>| Matrix::<D, 1>(v.0.map(|x| [x]));
+    close(&column(&G::bracket(&omega, &d)), &column(&bracket), 1e-14);
+    for operator in [g.adjoint(), G::tangent(&omega, &c), G::ad(&omega)] {
+        close(&G::operate(&operator, &column(&d)), &column(&(operator * d)), 1e-14);
+        close(&column(&G::operate_dual(&operator, &w)), &column(&operator.transpose_times(&w)), 1e-14);
+    }
+    for form in [G::bracket_form(&w), G::bracket_form(&w).transpose(), G::tangent_curvature(&omega, &w, &c)] {
+        close(&G::apply_form(&form, &column(&d)), &column(&(form * d)), 1e-14);
+    }
+
     // Motion of a point: p(s) = exp(sδ) p.
     let mut p = Vector::<P>::ZERO;
     let mut f = Vector::<P>::ZERO;

@@ -271,7 +271,9 @@ impl<G: LieGroup<D, P>, const D: usize, const P: usize> ForceElement<G, D, P> fo
         self.for_each_point(at.q, paths, |actuator, weight, unit, norm, columns| {
             let tension = -self.0[actuator].sign * at.load[self.0[actuator].input] * weight;
             out.energy += tension * norm;
-            curvature.next().into_iter().for_each(|curvature| *curvature = tension / norm);
+            if let Some(curvature) = curvature.next() {
+                *curvature = tension / norm;
+            }
             for (unit, columns) in unit.iter().zip(columns) {
                 for (column, along) in columns.iter().zip(along.by_ref()) {
                     *along = unit * column.size;
