@@ -18,8 +18,9 @@ pub(crate) const DRIFT_EIGENVALUE: f64 = 1e-6;
 pub(crate) const REAL_EIGENVALUE: f64 = 1e-6;
 /// Largest dimensionless stiffness of a neutral motion in units of the residual.
 pub(crate) const OF_RESIDUAL: f64 = 10.0;
-/// How much dimensionless eigenvalues of the tangent may change per displacement of the largest coordinate.
-pub(crate) const TANGENT_RATE: f64 = 10.0;
+/// How much dimensionless eigenvalues of the tangent may change per displacement (norm over all coordinates), as a
+/// multiple of its largest diagonal entry: large forces change it faster.
+pub(crate) const TANGENT_RATE: f64 = 2.0;
 /// Ratio of pivots below which a matrix that is not symmetric counts as singular for derivatives.
 pub(crate) const SINGULAR_PIVOTS: f64 = 1e-9;
 

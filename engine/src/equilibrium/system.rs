@@ -478,13 +478,24 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
             return true;
         }
         let moved = self.q.iter().zip(&self.tangent_state).zip(&self.unit);
-        let distance = moved.fold(0.0f64, |m, ((q, t), unit)| m.max(((q - t) / unit).abs()));
-        let slack = TANGENT_RATE * distance + self.negligible_stiffness();
+        let distance = moved.map(|((q, t), unit)| ((q - t) / unit).powi(2)).sum::<f64>().sqrt();
+        let rate = TANGENT_RATE * self.stiffest().max(1.0);
+        let slack = rate * distance + self.negligible_stiffness();
         self.surely_stable = self.factor.exceeds(&self.data, slack);
         if self.surely_stable {
             self.tangent_state.copy_from_slice(&self.q);
         }
         self.surely_stable
+    }
+
+    /// The largest stiffness of a coordinate; with ties, a bound on it.
+    fn stiffest(&self) -> f64 {
+        if let Some(projected) = self.factor.projected() {
+            return projected.bounds().1;
+        }
+        let (tangent, scale) = (self.data.tangent(), &self.data.design.units.scale);
+        let diagonal = tangent.iter().step_by(scale.len() + 1).zip(scale);
+        diagonal.map(|(h, s)| (h * s * s).abs()).fold(0.0, f64::max)
     }
 
     /// Stiffness that counts as zero: that of a motion along which the energy is constant is of the size of the
