@@ -58,6 +58,9 @@ impl CriticalSearch {
             return Some(0.0);
         }
         let lowest = self.find_mode(system)?;
+        if lowest.abs() <= ZERO_EIGENVALUE {
+            return Some(0.0);
+        }
         let small = (self.options.difference / norm(velocity)).min(self.options.step_share * h);
         let tangent_after = |step: &[f64], change: f64, load_change: f64, system: &mut System<G, D, P>| {
             system.set_load_between(&load, rate, load_change);
