@@ -86,6 +86,44 @@ def test_a_buckled_column_that_turns_about_its_axis_has_no_event(flag: str, step
     assert (path.stability == np.where(buckled, "neutral", "stable")).all()
 
 
+LINK = """
+name = "link"
+[bodies.link]
+kind = "link"
+length = "20 cm"
+radius = "3 mm"
+joint = { kind = "spherical", stiffness = "0.0133 N*m/rad" }
+[wrenches.press]
+body = "link"
+at = "tip"
+force = { x = "-1 N" }
+input = true
+"""
+"""Buckles at 0.0133 N·m/rad / 20 cm."""
+
+
+@pytest.mark.parametrize(("times", "steps"), [(3, 3), (10, 10), (10, 50), (100, 50), (100, 300)])
+def test_a_bifurcation_at_a_load_of_the_path_is_seen_there(times: int, steps: int) -> None:
+    critical = 0.0133 / 0.2
+    loads = np.linspace(0.0, times * critical, steps + 1)[1:]
+    path = Model(parse(LINK)).equilibrium(loads)
+    assert kinds(path) == ["bifurcation"]
+    assert path.events[0].force == pytest.approx(critical, rel=1e-9)
+    assert (path.stability[loads > 1.001 * critical] == "neutral").all()
+
+
+def test_what_follows_changes_no_state_under_large_forces() -> None:
+    side = '[wrenches.side]\nbody = "link"\nat = "tip"\nforce = { z = "1 N" }\ninput = true\n'
+    model = Model(parse(LINK + side))
+    push = 0.10514573220059859
+    loads = np.array([[1.6625, push], [3.325, push], [4.9875, -push], [5.985, -push]])
+    path, first = model.equilibrium(loads), model.equilibrium(loads[:3])
+    # The link leans against the side force until it snaps to the other side.
+    assert kinds(path) == kinds(first) == ["snap"]
+    assert path.q[2, 1] > 0.0
+    np.testing.assert_allclose(path.q[:3], first.q, atol=1e-7)
+
+
 @pytest.mark.parametrize("steps", [3, 20, 100])
 def test_a_column_that_buckles_under_its_weight_turns_about_its_axis(steps: int) -> None:
     def model(young_modulus: float) -> Model:
