@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ import flexor
 from flexor import _engine
 from flexor.cli.path_report import report
 from flexor.errors import InputError
-from flexor.model import MEANINGS, explained
+from flexor.model import MEANINGS, Model, explained, parse, why_stalled
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -65,3 +66,22 @@ def test_a_placement_turned_beyond_all_accuracy_is_refused(angle: float, tmp_pat
     )
     with pytest.raises(InputError, match=r"a\.placement\.rotation: .*at most 1e6 rad"):
         flexor.load(tmp_path / "turned.toml")
+
+
+def test_a_load_that_turns_with_its_body_is_named_where_no_equilibrium_is_found() -> None:
+    text = """
+name = "arm"
+[bodies.arm]
+kind = "link"
+length = "10 cm"
+radius = "5 mm"
+joint = { kind = "spherical", stiffness = "0.1 N*m/rad" }
+[wrenches.twist]
+body = "arm"
+at = "tip"
+moment = { y = "0.01 N*m" }
+frame = "body"
+"""
+    path = Model(parse(text)).equilibrium([0.0])
+    stalled = replace(path, status=np.array(["stalled"]), residual=np.array([0.2]))
+    assert "wrenches.twist turns with its body" in why_stalled(stalled)

@@ -6,9 +6,8 @@ use super::factor::Factor;
 use super::neutral::NeutralMotions;
 use super::options::ContinuationOptions;
 use super::projection::Projection;
-use super::stability::Stability;
 use super::sweep::Sweep;
-use super::vector::{dot, max_norm};
+use super::vector::dot;
 use crate::Data;
 use crate::forces::element::Velocities;
 use crate::forces::magnitudes::Magnitudes;
@@ -16,10 +15,7 @@ use crate::forces::state::Law;
 use crate::friction::RenewalWork;
 use crate::lie::LieGroup;
 use crate::model::Model;
-use crate::tolerances::{
-    DRIFT_EIGENVALUE, MAX_DISPLACEMENT, MAX_ROTATION, MAX_ROUNDING, OF_RESIDUAL, ROUNDING_FACTOR,
-    SINGULAR_PIVOTS, TANGENT_RATE, ZERO_EIGENVALUE,
-};
+use crate::tolerances::{MAX_DISPLACEMENT, MAX_ROTATION, MAX_ROUNDING, ROUNDING_FACTOR};
 use crate::tree::Shape;
 
 /// A model with a design, a load and a state, and the equations of equilibrium there.
@@ -32,7 +28,7 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     pub(super) data: Data<G, D, P>,
     /// Factor of the tangent.
     pub(super) factor: Factor<D>,
-    q: Vec<f64>,
+    pub(super) q: Vec<f64>,
     load: Vec<f64>,
     /// Actual size of one unit of each dimensionless coordinate.
     pub(super) unit: Vec<f64>,
@@ -45,9 +41,9 @@ pub struct System<'m, G, const D: usize, const P: usize> {
     /// Number of contacts and slack springs that act where the tangent was evaluated.
     switched_on: usize,
     /// The state of the tangent, or that for which it stands.
-    tangent_state: Vec<f64>,
+    pub(super) tangent_state: Vec<f64>,
     /// Whether the tangent shows that this state is stable.
-    surely_stable: bool,
+    pub(super) surely_stable: bool,
     /// Coordinates whose diagonal entry of the current tangent is zero to rounding.
     loose: Vec<usize>,
     /// Whether forces balance only up to rounding that is a large fraction of them.
@@ -471,39 +467,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.switched_on(self.model, &self.q, &self.load) == self.switched_on
     }
 
-    /// Whether the current tangent, which is factorised, is so stiff that the state evaluated last, near its own, is
-    /// stable, too; then it stands for that of this state.
-    pub(super) fn shows_stability(&mut self) -> bool {
-        if !self.is_conservative() {
-            return true;
-        }
-        let moved = self.q.iter().zip(&self.tangent_state).zip(&self.unit);
-        let distance = moved.map(|((q, t), unit)| ((q - t) / unit).powi(2)).sum::<f64>().sqrt();
-        let rate = TANGENT_RATE * self.stiffest().max(1.0);
-        let slack = rate * distance + self.negligible_stiffness();
-        self.surely_stable = self.factor.exceeds(&self.data, slack);
-        if self.surely_stable {
-            self.tangent_state.copy_from_slice(&self.q);
-        }
-        self.surely_stable
-    }
-
-    /// The largest stiffness of a coordinate; with ties, a bound on it.
-    fn stiffest(&self) -> f64 {
-        if let Some(projected) = self.factor.projected() {
-            return projected.bounds().1;
-        }
-        let (tangent, scale) = (self.data.tangent(), &self.data.design.units.scale);
-        let diagonal = tangent.iter().step_by(scale.len() + 1).zip(scale);
-        diagonal.map(|(h, s)| (h * s * s).abs()).fold(0.0, f64::max)
-    }
-
-    /// Stiffness that counts as zero: that of a motion along which the energy is constant is of the size of the
-    /// residual.
-    fn negligible_stiffness(&self) -> f64 {
-        (ZERO_EIGENVALUE + OF_RESIDUAL * max_norm(&self.residual)).min(DRIFT_EIGENVALUE)
-    }
-
     /// Finds the coordinates whose stiffness is zero to the rounding of its terms.
     fn find_loose_coordinates(&mut self) {
         self.data.magnitudes(self.model, &self.q, &self.load, &mut self.magnitudes);
@@ -532,11 +495,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         self.data.complete_tangent(self.model);
         let first = if loose { &self.loose[..] } else { null.as_slice() };
         self.factor.factorise_semidefinite(&self.data, first, &self.magnitudes.stiffness)
-    }
-
-    /// The same where stiffness that is negligible may be negative, too.
-    fn factorise_neutral(&mut self) -> bool {
-        self.factorise(0.0) || self.factorise(self.negligible_stiffness())
     }
 
     /// Whether the current factor has free motions.
@@ -600,43 +558,6 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
         free.sort_unstable();
         free.dedup();
         free
-    }
-
-    /// Whether the current tangent, which is factorised, has lost static stability by more than `slack`.
-    pub(super) fn is_lost(&mut self, slack: f64) -> bool {
-        if self.is_conservative() {
-            return false;
-        }
-        let lost = self.factor.stability(&self.data, slack) == Stability::Unstable;
-        self.factorise(0.0);
-        lost
-    }
-
-    /// Whether some motion has next to no stiffness in the current tangent; its factor is kept.
-    pub(super) fn may_drift(&mut self) -> bool {
-        let found = self.factor.stability(&self.data, DRIFT_EIGENVALUE);
-        self.factorise(0.0);
-        found == Stability::Neutral
-    }
-
-    /// Static stability of the state evaluated last; its factor is kept.
-    pub(super) fn stability(&mut self) -> Stability {
-        let conservative = self.is_conservative();
-        if conservative && self.is_singular() {
-            return Stability::Neutral;
-        }
-        if self.tangent_state != self.q {
-            self.evaluate();
-            self.evaluate_tangent();
-            self.factorise_neutral();
-        }
-        let slack = self.negligible_stiffness();
-        if conservative && (self.surely_stable || self.factor.exceeds(&self.data, slack)) {
-            return if self.has_neutral() { Stability::Neutral } else { Stability::Stable };
-        }
-        let found = self.factor.stability(&self.data, slack);
-        self.factorise_neutral();
-        found
     }
 
     /// Whether the state, whose largest residual is `size`, is an equilibrium: every elastic coordinate is
@@ -826,13 +747,5 @@ impl<'m, G: LieGroup<D, P>, const D: usize, const P: usize> System<'m, G, D, P> 
     /// Computes the columns of the frames that the tangent did not need.
     pub(super) fn complete_columns(&mut self) {
         self.data.complete_columns(self.model);
-    }
-
-    /// Whether the matrix of adjoints at the equilibrium evaluated last is singular but for rounding; the factor is kept.
-    pub(crate) fn is_nearly_singular(&mut self) -> bool {
-        match self.factor.pivot_ratio() {
-            Some(ratio) => ratio < SINGULAR_PIVOTS,
-            None => !self.factor.exceeds(&self.data, ZERO_EIGENVALUE),
-        }
     }
 }

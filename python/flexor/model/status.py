@@ -145,6 +145,11 @@ def why_stalled(path: Path) -> str:
             )
         return "forces balance in the last state, which is not a stable equilibrium"
     said = f"the residual is {residual:.2g} of the forces, above its bound of {tolerance:.2g}"
+    turning = [name for name, wrench in model.file.wrenches.items() if wrench.frame == "body"]
+    if turning:
+        names = " and ".join(f"wrenches.{name}" for name in turning)
+        verb = "turns with its body" if len(turning) == 1 else "turn with their bodies"
+        return f"{said}; {names} {verb}, so that there may be no equilibrium: begin with less"
     return said + _stiffest(model)
 
 
